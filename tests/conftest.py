@@ -123,14 +123,14 @@ def _as_migrated() -> Iterator[None]:
 
 
 @pytest.fixture
-def fresh(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+def fresh(tmp_path, monkeypatch) -> Home:
     """A home in which nothing was kept yet; its folder does not exist."""
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     return Home(tmp_path / "home")
 
 
 @pytest.fixture
-def unprinted(monkeypatch: pytest.MonkeyPatch) -> None:
+def unprinted(monkeypatch) -> None:
     """Certificates whose PDF is not typeset, for tests of what is done with them."""
 
     def quick(certificate: Certificate, **_: object) -> bytes:
@@ -178,7 +178,7 @@ def ideal_run() -> Callable[..., Recording]:
 
 
 @pytest.fixture(scope="session")
-def line_store(tmp_path_factory: pytest.TempPathFactory, worker_id: str) -> tuple[Home, Line]:
+def line_store(tmp_path_factory, worker_id) -> tuple[Home, Line]:
     """The store of a line of two units with sixty runs over three years; four have recordings.
 
     It is made once for all workers; each has a copy.

@@ -30,12 +30,12 @@ def nodes(rooms: Sequence[str] = PRODUCT) -> Iterator[tuple[Path, ast.AST]]:
             yield path, node
 
 
-def test_chinese_stands_in_the_catalogues_and_templates_alone() -> None:
+def test_chinese_stands_in_the_catalogues_and_templates_alone():
     found = [str(path) for path in sources() if CHINESE.search(path.read_text(encoding="utf-8"))]
     assert found == []
 
 
-def test_nothing_is_told_apart_by_its_address() -> None:
+def test_nothing_is_told_apart_by_its_address():
     found = [
         f"{path}:{node.lineno}"
         for path, node in nodes()
@@ -44,7 +44,7 @@ def test_nothing_is_told_apart_by_its_address() -> None:
     assert found == []
 
 
-def test_no_class_name_stands_in_three_places() -> None:
+def test_no_class_name_stands_in_three_places():
     names = Counter(node.name for _, node in nodes() if isinstance(node, ast.ClassDef))
     assert [name for name, count in names.items() if count > 2] == []
 
@@ -75,7 +75,7 @@ def strings() -> Iterator[str]:
     )
 
 
-def test_every_message_of_the_catalogues_is_used() -> None:
+def test_every_message_of_the_catalogues_is_used():
     """Whole, put together behind a beginning (“item-”), or before an attribute (“.heading”)."""
     literals, pages = set(strings()), templates()
     written = literals | set(re.findall(r"[\w.-]+", pages))
@@ -92,7 +92,7 @@ def test_every_message_of_the_catalogues_is_used() -> None:
     assert unused == []
 
 
-def test_every_message_that_the_code_names_stands_in_the_catalogues() -> None:
+def test_every_message_that_the_code_names_stands_in_the_catalogues():
     asked = {
         (f"{path}:{node.lineno}", node.args[0].value)
         for path, node in nodes()

@@ -37,7 +37,7 @@ def canary(folder: Path) -> dict[str, str]:
     }
 
 
-def test_a_test_leaves_the_database_in_production_alone(tmp_path: Path) -> None:
+def test_a_test_leaves_the_database_in_production_alone(tmp_path):
     tiny = tmp_path / "test_tiny.py"
     tiny.write_text(TINY)
     environment = canary(tmp_path)
@@ -52,9 +52,7 @@ def test_a_test_leaves_the_database_in_production_alone(tmp_path: Path) -> None:
 
 @pytest.mark.rehearsal
 @pytest.mark.parametrize("module", ["tests.proof", "tests.bench"])
-def test_proof_and_measurements_leave_production_before_they_begin(
-    module: str, tmp_path: Path
-) -> None:
+def test_proof_and_measurements_leave_production_before_they_begin(module, tmp_path):
     begun = (
         "import os, runpy, sys, argparse, typer\n"
         "def begun(*_, **__):\n"

@@ -27,20 +27,20 @@ def examples(page: str, mark: str) -> list[str]:
 
 
 @pytest.mark.parametrize("number", [0, 1])
-def test_the_standards_of_the_guide_go_into_the_register(number: int) -> None:
+def test_the_standards_of_the_guide_go_into_the_register(number):
     example = examples("reminders.md", "[[equipment]]")[number]
     (standard,) = EquipmentFile.model_validate(tomllib.loads(example)).equipment
     assert standard.limits or standard.functions
 
 
-def test_the_capabilities_of_the_guide_are_read() -> None:
+def test_the_capabilities_of_the_guide_are_read():
     (example,) = examples("certificates.md", "[[capabilities]]")
     laboratory = Laboratory.model_validate({"party": PARTY} | tomllib.loads(example))
     assert len(laboratory.capabilities) == 2
     check_capabilities(laboratory.capabilities)
 
 
-def test_the_table_and_the_protocol_of_the_guide_are_imported(tmp_path: Path) -> None:
+def test_the_table_and_the_protocol_of_the_guide_are_imported(tmp_path):
     text = (GUIDE / "recordings.md").read_text(encoding="utf-8")
     table, protocol = re.findall(r"```csv\n(.*?)```", text, re.DOTALL)
     header, first, *_ = table.splitlines()
@@ -59,7 +59,7 @@ def test_the_table_and_the_protocol_of_the_guide_are_imported(tmp_path: Path) ->
     assert shown.picture.read_text(encoding="utf-8").startswith("<svg")
 
 
-def test_the_manifest_of_the_guide_is_read_as_a_recording(tmp_path: Path) -> None:
+def test_the_manifest_of_the_guide_is_read_as_a_recording(tmp_path):
     text = (GUIDE / "recordings.md").read_text(encoding="utf-8")
     (manifest,) = re.findall(r"```json\n(.*?)```", text, re.DOTALL)
     (tmp_path / "manifest.json").write_text(manifest, encoding="utf-8")
@@ -95,14 +95,14 @@ def letters(prefix: str) -> set[str]:
     return {clause.removeprefix(prefix) for clause, _, _ in rows() if clause.startswith(prefix)}
 
 
-def test_every_field_of_the_data_stands_on_the_page_under_its_letter_and_no_other() -> None:
+def test_every_field_of_the_data_stands_on_the_page_under_its_letter_and_no_other():
     assert fields("8 ") == {(f"8 {each.letter}", each.name) for each in CLAUSE_8}
     assert {tuple(each.letter for each in listed) for listed in MANDATORY.values()} == {
         tuple(each.letter for each in CLAUSE_8)
     }
 
 
-def test_every_field_stands_under_its_clause_of_17025() -> None:
+def test_every_field_stands_under_its_clause_of_17025():
     asked = set()
     for each in CLAUSE_8:
         first, *others = each.iso.split(", ")
@@ -112,12 +112,12 @@ def test_every_field_stands_under_its_clause_of_17025() -> None:
 
 
 @pytest.mark.parametrize(("clause", "last"), [("8 ", "l"), ("7.8.2.1 ", "p"), ("7.8.4.1 ", "f")])
-def test_no_line_of_a_clause_is_left_out(clause: str, last: str) -> None:
+def test_no_line_of_a_clause_is_left_out(clause, last):
     known = string.ascii_lowercase[: string.ascii_lowercase.index(last) + 1]
     assert letters(clause) == {f"{letter})" for letter in known}
 
 
-def test_the_tests_that_it_names_are_there() -> None:
+def test_the_tests_that_it_names_are_there():
     every = "\n".join(path.read_text(encoding="utf-8") for path in Path("tests").rglob("test_*.py"))
     named = {test for _, _, test in rows()} - {""}
     assert [test for test in sorted(named) if f"def {test}(" not in every] == []

@@ -19,8 +19,7 @@ import numpy as np
 import pytest
 
 from schemas.recording import ACCEL, AXES, GYRO
-from tests.tasks.station.makers.drive import Drive
-from tests.tasks.station.makers.modbus_maker import listening
+from tests.tasks.station.makers.modbus_maker import Drive, listening
 
 pytestmark = pytest.mark.rehearsal
 
@@ -226,7 +225,7 @@ def readings() -> tuple[np.ndarray, list[dict[str, object]]]:
 
 
 @pytest.fixture
-def clone(tmp_path: Path) -> Clone:
+def clone(tmp_path) -> Clone:
     made = Clone(tmp_path / "mimucal")
     values, segments = readings()
     folder = made.folder / "recording"
@@ -246,14 +245,14 @@ def clone(tmp_path: Path) -> Clone:
     return made
 
 
-def test_an_effect_is_found_and_named_with_its_values(clone: Clone) -> None:
+def test_an_effect_is_found_and_named_with_its_values(clone):
     printed = clone.walk("An effect")
     found = re.findall(r"coefficient_. (\S+) ± (\S+)", printed)
     for (value, u), true in zip(found, ROOT_OF_RATE, strict=True):
         assert abs(float(value) - true) < 4.0 * float(u)
 
 
-def test_an_item_is_estimated_and_printed_from_its_record(clone: Clone) -> None:
+def test_an_item_is_estimated_and_printed_from_its_record(clone):
     printed = clone.walk("An item", CERTIFICATE)
     values, segments = readings()
     means = values.reshape(len(segments), -1, 6).mean(axis=1)
@@ -270,21 +269,21 @@ def test_an_item_is_estimated_and_printed_from_its_record(clone: Clone) -> None:
     assert 'refType="basic_measuredValue mimucal_gyro_scale_asymmetry_x"' in printed
 
 
-def test_an_error_source_is_a_line_of_the_budget(clone: Clone) -> None:
+def test_an_error_source_is_a_line_of_the_budget(clone):
     clone.walk("An error source of the equipment")
 
 
 @pytest.mark.real_time
-def test_a_table_and_a_thermometer_of_a_bench_answer_and_move(clone: Clone) -> None:
+def test_a_table_and_a_thermometer_of_a_bench_answer_and_move(clone):
     with bench() as clone.ports:
         clone.walk("A device")
 
 
-def test_a_page_is_served_with_its_json_and_described(clone: Clone) -> None:
+def test_a_page_is_served_with_its_json_and_described(clone):
     clone.walk("A page")
 
 
-def test_a_reader_imports_a_file(clone: Clone) -> None:
+def test_a_reader_imports_a_file(clone):
     values, _ = readings()
     units = dict.fromkeys(GYRO, "rad/s") | dict.fromkeys(ACCEL, "m/s2")
     names = ("time [s]", *(f"{name} [{unit}]" for name, unit in units.items()))
@@ -294,7 +293,7 @@ def test_a_reader_imports_a_file(clone: Clone) -> None:
     clone.walk("A reader of a file format")
 
 
-def test_a_language_is_spoken_by_a_report(clone: Clone) -> None:
+def test_a_language_is_spoken_by_a_report(clone):
     clone.walk("A language")
     clone.run(REPORT)
     report = (clone.folder / "report" / "report.html").read_text(encoding="utf-8")

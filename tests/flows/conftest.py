@@ -41,7 +41,7 @@ built = cache(typer.main.get_command)  # from all the signatures, at every call 
 
 
 @pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated) -> Path:
+def home(tmp_path, monkeypatch, validated) -> Path:
     """An empty home folder, named by MIMUCAL_HOME; this code's estimation counts as validated."""
     monkeypatch.setattr(record, "shipped", lambda: validated)
     folder = tmp_path / "home"
@@ -52,7 +52,7 @@ def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated) -> Path:
 
 
 @pytest.fixture(scope="session")
-def prefect_database(pytestconfig: pytest.Config) -> Path:
+def prefect_database(pytestconfig) -> Path:
     """The database of a Prefect server before its first flow, kept in pytest's cache.
 
     Prefect makes it in seven seconds of a processor; each of its versions has its own.
@@ -69,19 +69,8 @@ def prefect_database(pytestconfig: pytest.Config) -> Path:
     return folder / "prefect.db"
 
 
-@pytest.fixture
-def own_home(tmp_path: Path, prefect_database: Path) -> Path:
-    """A home for commands in processes of their own, whose Prefect server starts at once."""
-    folder = tmp_path / "home"
-    (folder / "prefect").mkdir(parents=True)
-    shutil.copy(prefect_database, folder / "prefect")
-    return folder
-
-
 @pytest.fixture(scope="module")
-def prefect_server(
-    prefect_database: Path, tmp_path_factory: pytest.TempPathFactory
-) -> Iterator[str]:
+def prefect_server(prefect_database, tmp_path_factory) -> Iterator[str]:
     """URL of a Prefect server that commands are told of, so that they start none of their own.
 
     It ends with the module, for it computes though nobody asks.
@@ -102,7 +91,7 @@ def prefect_server(
 
 
 @pytest.fixture
-def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
+def mimucal(home, monkeypatch, capsys) -> Callable[..., Any]:
     """Runs `mimucal ARGS…`; gives code, out, err and the JSON document, if there is one."""
 
     monkeypatch.setattr(typer.main, "get_command", built)
@@ -122,19 +111,19 @@ def mimucal(home: Path, monkeypatch, capsys) -> Callable[..., Any]:
 
 
 @pytest.fixture(scope="session")
-def plant_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def plant_clean(shared, tmp_path_factory) -> Path:
     """A simulated unit without effects, every fifth row of it: commands do the same sooner."""
     return every_nth_row(shared / "plant/plant_clean", tmp_path_factory, 5)
 
 
 @pytest.fixture(scope="session")
-def plant_on_earth(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def plant_on_earth(shared, tmp_path_factory) -> Path:
     """The same of a run that is valid: its rests show Earth's rotation."""
     return every_nth_row(shared / "plant/plant_earth_rotation", tmp_path_factory, 5)
 
 
 @pytest.fixture(scope="session")
-def ahrs_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def ahrs_clean(shared, tmp_path_factory) -> Path:
     """The same of an AHRS, with what is true of it."""
     source = shared / "plant/ahrs_clean"
     folder = every_nth_row(source, tmp_path_factory, 5)
@@ -143,7 +132,7 @@ def ahrs_clean(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="session")
-def calibrated_once(plant_on_earth: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def calibrated_once(plant_on_earth, tmp_path_factory) -> Path:
     """A home with one run, `plant_on_earth`, that is calibrated."""
     folder = tmp_path_factory.mktemp("calibrated") / "home"
     with pytest.MonkeyPatch.context() as patch:
@@ -155,23 +144,11 @@ def calibrated_once(plant_on_earth: Path, tmp_path_factory: pytest.TempPathFacto
 
 
 @pytest.fixture
-def run_on_earth(calibrated_once: Path, home: Path) -> str:
+def run_on_earth(calibrated_once, home) -> str:
     """The id of that run, which this home holds as well."""
     shutil.copytree(calibrated_once, home)
     (run,) = runs.all_runs(Home(home))
     return run.id
-
-
-@pytest.fixture(scope="session")
-def plant_arm(shared: Path, tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Every second row of a unit off the axes, with what is true of it.
-
-    Of every fifth, what is left of P is three standard uncertainties off the truth.
-    """
-    source = shared / "plant/plant_lever_arm"
-    folder = every_nth_row(source, tmp_path_factory, 2)
-    shutil.copy(source / "truth.json", folder)
-    return folder
 
 
 def every_nth_row(source: Path, folders: pytest.TempPathFactory, n: int) -> Path:
@@ -187,7 +164,7 @@ def every_nth_row(source: Path, folders: pytest.TempPathFactory, n: int) -> Path
 
 
 @pytest.fixture
-def copied(tmp_path: Path, shared: Path) -> Callable[[str], Path]:
+def copied(tmp_path, shared) -> Callable[[str], Path]:
     """A copy of a shared recording that a test may spoil."""
 
     def copy(name: str) -> Path:

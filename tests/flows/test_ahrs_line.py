@@ -2,10 +2,8 @@
 
 import json
 import os
-import signal
 import subprocess
 import sys
-import time
 from datetime import date
 from pathlib import Path
 
@@ -18,7 +16,7 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
-def short(tmp_path: Path) -> Path:
+def short(tmp_path) -> Path:
     """JJF 1536 of the program in seconds."""
     whole = procedures.load("jjf1536").model_dump(mode="json")
     for step in whole["steps"]:
@@ -48,7 +46,7 @@ def mimucal(
 @pytest.mark.rehearsal
 def test_one_command_leads_from_the_station_to_the_certificate(
     home, short, validated, prefect_server
-) -> None:
+):
     home.mkdir()
     (home / "validation.json").write_text(validated.model_dump_json(), encoding="utf-8")
     done = mimucal(home, "demo", "--procedure", short, "--speed", 200, "--json",
@@ -70,45 +68,3 @@ def test_one_command_leads_from_the_station_to_the_certificate(
         assert items["ahrs_scale_factor"]["value"][axis] == pytest.approx(true, abs=2e-5)
     decided = {limit["item"]: limit["verdict"] for limit in record["decision"]["limits"]}
     assert set(decided.values()) == {"pass"}
-
-
-def test_a_procedure_that_is_none_is_said_before_a_station_starts(tmp_path) -> None:
-    done = mimucal(tmp_path / "home", "demo", "--procedure", "jjf1537")
-    assert done.returncode == 2
-    assert "there is no procedure 'jjf1537': choose one of jjf1536, " in done.stderr
-    assert len(done.stderr.splitlines()) == 1
-
-
-@pytest.mark.rehearsal
-def test_station_and_acquisition_work_by_themselves_and_need_a_person_by_hand(
-    home, tmp_path, short, prefect_server
-):
-    station = tmp_path / "station.json"
-    content = json.loads(short.read_text(encoding="utf-8"))
-    few = [s for s in content["steps"] if s["name"] in ("fix_x_up", "rest_x", "fix_y_up", "rest_y")]
-    short.write_text(json.dumps(content | {"steps": few}), encoding="utf-8")
-    serving = subprocess.Popen(
-        [sys.executable, "-m", "flows.cli", "station", "serve", "--ahrs", "--port", "0",
-         "--speed", "60", "--station-file", str(station)],
-        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
-    )  # fmt: skip
-    try:
-        for _ in range(3000):
-            if station.exists() and station.read_text(encoding="utf-8").endswith("}\n"):
-                break
-            time.sleep(0.1)
-        content = json.loads(station.read_text(encoding="utf-8"))
-        done = mimucal(home, "acquire", station, "--procedure", short, "--json",
-                       server=prefect_server)  # fmt: skip
-        assert done.returncode == 0, done.stderr
-        acquired = json.loads(done.stdout)
-        assert (acquired["lost_samples"], acquired["warnings"]) == (0, [])
-        station.write_text(json.dumps(content | {"fixture": "by_hand"}), encoding="utf-8")
-        alone = mimucal(home, "acquire", station, "--procedure", short)
-        assert alone.returncode == 2
-        assert "the unit turned over by hand 2 times, and nobody is at a terminal" in alone.stderr
-    finally:
-        serving.send_signal(signal.SIGINT)
-        serving.wait(300)
-    assert "angle_x" in [field["name"] for field in content["unit_link"]["frame"]["fields"]]

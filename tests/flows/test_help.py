@@ -22,7 +22,7 @@ EVERY = dict(commands(typer.main.get_command(cli.app), ("mimucal",)))
 
 
 @pytest.mark.parametrize("path", EVERY, ids=" ".join)
-def test_help_says_what_a_command_does_and_ends_with_an_example_of_it(path) -> None:
+def test_help_says_what_a_command_does_and_ends_with_an_example_of_it(path):
     command = EVERY[path]
     assert command.help
     example = shlex.split(command.epilog.removeprefix("Example: "))
@@ -35,10 +35,10 @@ def test_help_says_what_a_command_does_and_ends_with_an_example_of_it(path) -> N
     }
 
 
-def test_an_example_fits_on_one_line_of_a_terminal() -> None:
+def test_an_example_fits_on_one_line_of_a_terminal():
     assert max(len(command.epilog) for command in EVERY.values()) <= 78
 
 
-def test_the_command_line_names_every_group_and_command(mimucal) -> None:
+def test_the_command_line_names_every_group_and_command(mimucal):
     shown = mimucal("--help").out
     assert {path[1] for path in EVERY} <= set(shown.split())

@@ -22,9 +22,7 @@ def _as_before() -> Iterator[None]:
     root.handlers, root.level, root.propagate = handlers, level, True
 
 
-def test_beginning_and_end_of_a_stage_are_lines_of_json(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_beginning_and_end_of_a_stage_are_lines_of_json(monkeypatch, capsys):
     monkeypatch.setenv("MIMUCAL_LOG", "json")
     set_up()
     set_up()
@@ -38,9 +36,7 @@ def test_beginning_and_end_of_a_stage_are_lines_of_json(
     assert done["at"].endswith("+00:00")
 
 
-def test_a_stage_that_fails_says_why_on_one_line(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_stage_that_fails_says_why_on_one_line(monkeypatch, capsys):
     def fails() -> None:
         raise Unusable("转台 is away\nfor good")
 
@@ -54,9 +50,7 @@ def test_a_stage_that_fails_says_why_on_one_line(
     )  # fmt: skip
 
 
-def test_a_level_alone_gives_lines_of_text_from_that_level_on(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_level_alone_gives_lines_of_text_from_that_level_on(monkeypatch, capsys):
     monkeypatch.setenv("MIMUCAL_LOG_LEVEL", "warning")
     set_up()
     unit = logging.getLogger("mimucal.station.unit")
@@ -68,9 +62,7 @@ def test_a_level_alone_gives_lines_of_text_from_that_level_on(
     assert event == "WARNING station.unit: unit_lost_samples of=SN 7 amount=3"
 
 
-def test_a_command_to_a_device_is_an_event_of_debug(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_a_command_to_a_device_is_an_event_of_debug(monkeypatch, capsys):
     class Still:
         async def home(self) -> None: ...
 
@@ -90,9 +82,7 @@ def test_a_command_to_a_device_is_an_event_of_debug(
     assert (event["level"], event["logger"], event["event"]) == ("debug", "station.table", "home")
 
 
-def test_a_service_whose_operator_sets_nothing_writes_errors(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
+def test_a_service_whose_operator_sets_nothing_writes_errors(capsys):
     set_up(errors_at_least=True)
     logging.getLogger("mimucal.pages").warning("somebody waits")
     logging.getLogger("mimucal.pages").error("a callback failed")
@@ -100,13 +90,13 @@ def test_a_service_whose_operator_sets_nothing_writes_errors(
     assert line.endswith("ERROR pages: a callback failed")
 
 
-def test_without_a_variable_nothing_is_written(capsys: pytest.CaptureFixture[str]) -> None:
+def test_without_a_variable_nothing_is_written(capsys):
     set_up()
     logger_of("remind").error("failed")
     assert capsys.readouterr().err == ""
 
 
-def test_another_value_is_one_sentence(mimucal, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_another_value_is_one_sentence(mimucal, monkeypatch):
     monkeypatch.setenv("MIMUCAL_LOG", "xml")
     done = mimucal("runs")
     assert done.code == 2

@@ -1,17 +1,23 @@
-"""`mimucal order …`: from a form, a file, a scanner; each unit once, and no half of a file."""
+"""`mimucal order …`, and about which axes the certificate of an order is."""
 
 import io
-from pathlib import Path
+import json
 
 import pytest
 
-from storage.catalogue import orders
+from flows import execute
+from schemas.orders import CalibrateOrder, CertifyOrder
+from storage.catalogue import orders, results, runs
 from storage.home import Home
+from tasks.stages.estimate import how_made
 from tests.flows.order_homes import CLIENT, Begun, add_station, no_workers
+from tests.own_limits import laboratory_file
+
+# `mimucal order …`: from a form, a file, a scanner; each unit once, and no half of a file.
 
 
 @pytest.fixture
-def begun(home: Path, monkeypatch: pytest.MonkeyPatch) -> Begun:
+def begun(home, monkeypatch) -> Begun:
     add_station(home)
     add_station(home, "LINE-2")
     (home / "client-orders").mkdir()
@@ -155,3 +161,28 @@ def test_each_line_of_a_scanner_is_a_unit_and_a_wrong_one_stops_no_other(
     assert "lines that were refused: 2" in scanned.err
     assert [each.serials for each in orders.listed(Home(home))] == ["S1", "S2", "S6"]
     assert orders.listed(Home(home))[1].client_order is not None
+
+
+# The axes that a client's order names reach the result, the verdict and what is made again.
+
+PARTY = {"name": "C", "name_zh": "客", "address": "a", "address_zh": "址"}
+CODE = "mounting_unknown"
+
+
+@pytest.mark.usefixtures("unprinted")
+def test_an_order_decides_about_which_axes_its_certificate_is(home, ideal_run, tmp_path):
+    laboratory_file(home)
+    place = Home(home)
+    run, _ = runs.add(ideal_run(dwell=1.0), place)
+    plain = execute.calibrate(CalibrateOrder(run=run.id))
+    assert plain.settings["axes"] == "fixture"
+    for axes, blocked in (("fixture", False), ("mounting plane", True)):
+        order = {"client": PARTY, "received": "2026-05-01", "axes": axes}
+        path = tmp_path / "order.json"
+        path.write_text(json.dumps(order), encoding="utf-8")
+        paper = execute.certify(CertifyOrder(run=run.id, client_order=str(path))).certificate
+        made = paper.calibration
+        assert made.settings["axes"] == axes
+        assert (CODE in {remark.code for remark in made.remarks}) is blocked
+        assert how_made(made).axes == axes
+    assert len(results.of_run(run, place)) == 2

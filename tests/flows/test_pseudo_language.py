@@ -26,16 +26,11 @@ from tasks.explain.report import write_report
 from tasks.model.term import effect_name
 from tasks.stages.explain import Explained
 from tasks.words import MAIN
+from tests.flows.pages.laid_out import texts
 from tests.pseudo_language import phrases, spoken
 from tests.storage.full_home import fill
 from tests.tasks.explain.report import made_report
 
-# Properties of components that people read; of others, the names of things.
-READ = {
-    "children", "label", "placeholder", "title", "description", "alt", "aria-label", "rowData",
-    "data", "figure", "columnDefs", "error",
-}  # fmt: skip
-IDENTIFIERS = {"type", "mode", "hovertemplate", "family"}
 # What the home's own people have written.
 OWN = {
     "The table is tilted", "no answer", "run of", "Head of laboratory", "new version", "test ideal",
@@ -70,20 +65,6 @@ def certificate(home: Home) -> Certificate:
     return record.model_copy(update={"budgets": True})
 
 
-def read(part: Any) -> Iterator[str]:
-    """The texts that people read, of components or of what a certificate prints."""
-    if hasattr(part, "to_plotly_json"):
-        props = part.to_plotly_json()["props"]
-        part = [each for name, each in props.items() if name in READ]
-    if isinstance(part, dict):
-        part = [part[name] for name in part if name not in IDENTIFIERS]
-    if isinstance(part, list | tuple):
-        for each in part:
-            yield from read(each)
-    elif isinstance(part, str):
-        yield part
-
-
 def test_the_terminal_says_of_results_what_the_catalogues_have(
     home: Home, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -113,16 +94,16 @@ def test_every_page_speaks_a_further_language(page: Any, home: Home, language: s
         "budget": f"?run={run}&item={item}&element={element}",
     }  # fmt: skip
     shown, _, _ = seen_by(View(language), page_at, f"/{page.name}", asked.get(page.name, ""), home)
-    texts = list(read(shown))
-    assert any("⟦" in text for text in texts)
-    assert phrases(texts) - OWN - UNSAID == set()
+    said = list(texts(shown))
+    assert any("⟦" in text for text in said)
+    assert phrases(said) - OWN - UNSAID == set()
 
 
 def test_a_certificate_speaks_a_further_language(certificate: Certificate, language: str) -> None:
     printed = asdict(in_languages(content(certificate), (language,)))
-    texts = list(read(printed))
-    assert len(texts) > 250
-    assert phrases(texts) - OWN == set()
+    said = list(texts(printed))
+    assert len(said) > 250
+    assert phrases(said) - OWN == set()
     assert render(certificate, (language,)).startswith(b"%PDF")
 
 
@@ -153,7 +134,9 @@ def test_a_report_and_its_pictures_speak_a_further_language(tmp_path: Path, lang
     assert phrases(page.itertext()) - OWN == set()
     for name in ("where", "before_after", "shares"):
         svg = ElementTree.parse(tmp_path / "report" / f"{name}-{language}.svg").getroot()
-        texts = ["".join(each.itertext()) for each in svg.iter("{http://www.w3.org/2000/svg}text")]
-        assert any("⟦" in text for text in texts)
-        assert phrases(texts) - OWN == set()
+        written = [
+            "".join(each.itertext()) for each in svg.iter("{http://www.w3.org/2000/svg}text")
+        ]
+        assert any("⟦" in text for text in written)
+        assert phrases(written) - OWN == set()
         assert (tmp_path / "report" / f"{name}.svg").is_file()

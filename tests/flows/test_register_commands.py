@@ -1,16 +1,14 @@
 """What used a measurement standard: runs, results, certificates, and nothing else."""
 
-import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
-from pathlib import Path
 from typing import Any
 
 import pytest
 
 from schemas.certificate import Certificate
-from schemas.recording import Manifest, Recording
+from schemas.recording import Manifest
 from schemas.tolerance import Decision
 from storage.catalogue import results, runs
 from storage.home import Home
@@ -21,7 +19,7 @@ TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1�
 
 
 @pytest.fixture
-def add(home: Path, ideal_run: Callable[..., Recording], mimucal) -> Callable[..., str]:
+def add(home, ideal_run, mimucal) -> Callable[..., str]:
     """Keeps and calibrates a run of a day; gives its id."""
 
     def keep(day: str, gravity: float, **fields: Any) -> str:
@@ -47,9 +45,7 @@ def certified(home: Home, run: str, number: str, **more: Any) -> None:
     keep(Certificate.model_validate(fields | more), home)
 
 
-def test_runs_results_and_certificates_of_the_time_are_named_and_no_others(
-    home: Path, add, mimucal
-) -> None:
+def test_runs_results_and_certificates_of_the_time_are_named_and_no_others(home, add, mimucal):
     before = add("2026-02-28", 9.78, equipment=[TABLE])
     within = add("2026-03-01", 9.79, equipment=[TABLE])
     by_laboratory = add("2026-05-31", 9.80)
@@ -72,7 +68,7 @@ def test_runs_results_and_certificates_of_the_time_are_named_and_no_others(
     assert len(mimucal("impact", "test", "--json").json["runs"]) == 4  # by the station
 
 
-def test_runs_of_an_unknown_day_are_named_apart(add, mimucal) -> None:
+def test_runs_of_an_unknown_day_are_named_apart(add, mimucal):
     dated = add("2026-03-01", 9.79, equipment=[TABLE])
     undated = add("some day", 9.80, equipment=[TABLE])
     asked = ("--since", "2026-03-01", "--until", "2026-05-31")
@@ -86,7 +82,7 @@ def test_runs_of_an_unknown_day_are_named_apart(add, mimucal) -> None:
 # The register of standards as a person types it: from a DCC, with checks, with a bad file.
 
 
-def test_a_dcc_fills_an_entry_of_the_register(home: Path, mimucal, tmp_path: Path) -> None:
+def test_a_dcc_fills_an_entry_of_the_register(home, mimucal, tmp_path):
     dcc, entry = tmp_path / "table.xml", tmp_path / "table.json"
     dcc.write_text(document(RATES, ANGLES), encoding="utf-8")
     imported = mimucal("equipment", "import", dcc, "corrected", "--out", entry)
@@ -100,7 +96,7 @@ def test_a_dcc_fills_an_entry_of_the_register(home: Path, mimucal, tmp_path: Pat
     assert "rate, position" in mimucal("equipment", "list").out
 
 
-def test_a_failed_check_is_shown_at_once_and_listed(home: Path, mimucal, tmp_path: Path) -> None:
+def test_a_failed_check_is_shown_at_once_and_listed(home, mimucal, tmp_path):
     dcc, entry = tmp_path / "table.xml", tmp_path / "table.json"
     dcc.write_text(document(RATES), encoding="utf-8")
     mimucal("equipment", "import", dcc, "budgeted", "--out", entry)
@@ -114,22 +110,3 @@ def test_a_failed_check_is_shown_at_once_and_listed(home: Path, mimucal, tmp_pat
     assert (nobody.code, "TT-8 is not in the register" in nobody.err) == (2, True)
     no_number = mimucal(*asked, "--result", "nan")
     assert (no_number.code, "the check of TT-07: result" in no_number.err) == (2, True)
-
-
-def test_a_table_that_is_none_is_refused_by_file_field_and_value(
-    home: Path, mimucal, tmp_path: Path
-) -> None:
-    entry = {"name": "T", "name_zh": "T", "serial": "1", "accuracy": "", "certificate": "C"}
-    row = {"at": 10.0, "deviation": 0.0, "U": 1e-5}
-    path = tmp_path / "bad.json"
-    for rows, sentence in (
-        ([], "equipment.0.functions.rate: give either rows or polynomials"),
-        ([row, row], "row at = 10 follows at = 10"),
-        ([row | {"U": -1.0}], "equipment.0.functions.rate.rows.0.U"),
-    ):
-        functions = {"rate": {"deviation": "corrected", "rows": rows}}
-        path.write_text(json.dumps({"equipment": [entry | {"functions": functions}]}))
-        refused = mimucal("equipment", "add", path, "--by", "Li")
-        assert refused.code == 2
-        assert str(path) in refused.err
-        assert sentence in refused.err

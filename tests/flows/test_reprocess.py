@@ -73,47 +73,6 @@ def test_exactly_the_values_that_earlier_code_had_otherwise_are_reported(
 
 
 @pytest.mark.rehearsal
-def test_exactly_the_values_that_a_change_of_the_code_moves_are_reported(
-    store: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """Later code gives the z gyro half a U more bias, and one accelerometer twice the U."""
-    before = {each.run: each for each in newest(store)}
-    earlier = reprocess.calibration_of
-
-    def changed(run: Any, *more: Any) -> Calibration:
-        made = earlier(run, *more)
-        bias, scale = made.items["gyro_bias"], made.items["accel_scale_factor"]
-        assert bias.value["z"] is not None
-        assert scale.U["y"] is not None
-        items = {
-            "gyro_bias": bias.model_copy(
-                update={"value": bias.value | {"z": bias.value["z"] + 0.5 * bias.U["z"]}}
-            ),
-            "accel_scale_factor": scale.model_copy(
-                update={"U": scale.U | {"y": 2.0 * scale.U["y"]}}
-            ),
-        }
-        return made.model_copy(update={"items": made.items | items, "code_version": "9.9.9"})
-
-    monkeypatch.setattr(reprocess, "calibration_of", changed)
-    monkeypatch.setattr(reprocess, "code_version", lambda: "9.9.9")
-    monkeypatch.setattr("tasks.stages.reprocess.code_version", lambda: "9.9.9")
-    report = reprocessed()
-    assert {(each.run, each.item, each.element) for each in report.changed} == {
-        (run, *moved)
-        for run in before
-        for moved in (("gyro_bias", "z"), ("accel_scale_factor", "y"))
-    }
-    for each in report.changed:
-        was = before[each.run].items[each.item]
-        moved_in_U = 0.5 if each.item == "gyro_bias" else 0.0
-        assert each.before == was.value[each.element]
-        assert each.in_U == pytest.approx(moved_in_U)
-        assert each.U_after == pytest.approx((1.0 if moved_in_U else 2.0) * each.U_before)
-    assert (report.done, report.unchanged, report.failed) == (2, 0, 0)
-
-
-@pytest.mark.rehearsal
 def test_an_order_by_version_goes_on_and_reports_all_of_it(store: Home) -> None:
     """What it made is of today's version, and still what it was ordered to report."""
     first, second = newest(store)

@@ -5,7 +5,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -13,7 +13,6 @@ import pytest
 
 from flows import execute
 from schemas.orders import ReprocessOrder
-from schemas.recording import Recording
 from storage.catalogue import results, runs
 from storage.home import Home
 from tasks.stages import on_cluster
@@ -23,7 +22,7 @@ pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]
 
 
 @pytest.fixture
-def bucket(monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
+def bucket(monkeypatch) -> Iterator[Store]:
     """A bucket that now and then answers 500, as MIMUCAL_STORE."""
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "of-a-test")
@@ -34,9 +33,7 @@ def bucket(monkeypatch: pytest.MonkeyPatch) -> Iterator[Store]:
 
 
 @pytest.fixture
-def scheduler(
-    home: Path, bucket: Store, tmp_path: Path, request: pytest.FixtureRequest
-) -> Iterator[tuple[str, list[int]]]:
+def scheduler(home, bucket, tmp_path, request) -> Iterator[tuple[str, list[int]]]:
     """The address of a dask scheduler, and the process ids of as many workers."""
     with socket.create_server(("127.0.0.1", 0)) as free:
         address = f"tcp://127.0.0.1:{free.getsockname()[1]}"
@@ -62,12 +59,8 @@ def scheduler(
 
 @pytest.mark.parametrize("scheduler", [2], indirect=True)
 def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
-    home: Path,
-    scheduler: tuple[str, list[int]],
-    bucket: Store,
-    ideal_run: Callable[..., Recording],
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+    home, scheduler, bucket, ideal_run, monkeypatch
+):
     monkeypatch.setattr(on_cluster, "ANSWER_S", 2.0)
     address, workers = scheduler
     store = Home(home)
@@ -94,9 +87,7 @@ def test_a_cluster_makes_the_same_results_though_a_worker_is_killed(
 
 
 @pytest.mark.parametrize("scheduler", [1], indirect=True)
-def test_a_worker_on_another_store_makes_nothing(
-    home: Path, scheduler: tuple[str, list[int]], ideal_run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_worker_on_another_store_makes_nothing(home, scheduler, ideal_run, monkeypatch):
     runs.add(ideal_run(dwell=1.0), Home(home))
     monkeypatch.setenv("MIMUCAL_STORE", os.environ["MIMUCAL_STORE"].replace("/mimu?", "/other?"))
     report = execute.reprocess(ReprocessOrder(engine="dask", scheduler=scheduler[0]))

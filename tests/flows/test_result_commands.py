@@ -27,11 +27,9 @@ from storage.formats.folder import read_folder
 from storage.home import Home
 from tasks.experiment import blocks, separation
 from tasks.experiment.choose import Choice, Experiment, OpenQuestion
-from tasks.explain.explain import explain as as_it_is
 from tasks.explain.explanation import CHANNELS, Explanation, Finding
 from tasks.stages import next_recording
 from tasks.words import LANGUAGES, say
-from tests.own_limits import laboratory_file
 
 SMALL = "real/ferraris_session"
 BLANK = {name: dict.fromkeys(LANGUAGES, "<svg/>") for name in ("where", "before_after", "shares")}
@@ -88,7 +86,7 @@ def engine(monkeypatch) -> Callable[[int], dict[str, Any]]:
     return finding
 
 
-def test_json_is_the_document_of_the_contract(mimucal, shared, engine) -> None:
+def test_json_is_the_document_of_the_contract(mimucal, shared, engine):
     engine(1)
     done = mimucal("explain", shared / SMALL, "--json")
     assert done.code == 0, done.err
@@ -104,9 +102,7 @@ def test_json_is_the_document_of_the_contract(mimucal, shared, engine) -> None:
     assert bias["before"] - bias["after"] == pytest.approx(STEP, rel=1e-6)
 
 
-def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(
-    mimucal, shared, engine
-) -> None:
+def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(mimucal, shared, engine):
     engine(1)
     done = mimucal("explain", shared / SMALL)
     assert done.code == 0, done.err
@@ -118,7 +114,7 @@ def test_a_person_reads_the_verdict_the_finding_and_what_it_matters(
 
 def test_without_out_nothing_is_written_and_with_it_the_whole_report(
     mimucal, shared, engine, tmp_path, monkeypatch
-) -> None:
+):
     engine(1)
     monkeypatch.chdir(tmp_path)
     before = {path.name for path in tmp_path.iterdir()}
@@ -138,7 +134,7 @@ def test_without_out_nothing_is_written_and_with_it_the_whole_report(
     np.testing.assert_array_equal(table.column("t").to_numpy(), imu.t)
 
 
-def test_a_result_and_a_simulation_reach_the_engine(mimucal, plant_clean, engine, tmp_path) -> None:
+def test_a_result_and_a_simulation_reach_the_engine(mimucal, plant_clean, engine, tmp_path):
     asked = engine(0)
     calibration = mimucal("calibrate", plant_clean, "--json")
     (kept,) = mimucal("show", calibration.json["run"], "--json").json["results"]
@@ -154,9 +150,7 @@ def test_a_result_and_a_simulation_reach_the_engine(mimucal, plant_clean, engine
 
 
 @pytest.mark.rehearsal
-def test_limits_in_the_home_say_whether_a_verdict_changes(
-    mimucal, plant_clean, engine, home
-) -> None:
+def test_limits_in_the_home_say_whether_a_verdict_changes(mimucal, plant_clean, engine, home):
     engine(1)
     bias = mimucal("calibrate", plant_clean, "--json").json["items"]["gyro_bias"]["value"]["x"]
     middle = bias - STEP / 2
@@ -183,7 +177,7 @@ def test_limits_in_the_home_say_whether_a_verdict_changes(
 )
 def test_what_cannot_be_used_is_one_sentence(
     mimucal, shared, engine, tmp_path, monkeypatch, arguments, says
-) -> None:
+):
     engine(1)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "taken").write_text("a file", encoding="utf-8")
@@ -193,17 +187,7 @@ def test_what_cannot_be_used_is_one_sentence(
     assert says in done.err
 
 
-@pytest.mark.rehearsal
-def test_simulation_of_another_run_is_refused(mimucal, shared, plant_clean, engine) -> None:
-    engine(1)
-    done = mimucal("explain", plant_clean, "--simulated", shared / SMALL)
-    assert done.code == 2
-    assert "% of the rows of plant_clean" in done.err
-
-
-def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
-    mimucal, shared, engine
-) -> None:
+def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(mimucal, shared, engine):
     asked = engine(1)
     plain = mimucal("calibrate", shared / SMALL, "--json").json
     done = mimucal("calibrate", plain["run"], "--terms", "bias_step", "--json")
@@ -227,34 +211,10 @@ def test_terms_are_taken_off_and_the_result_supersedes_none_without_them(
 
 
 @pytest.mark.rehearsal
-def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine) -> None:
+def test_what_explain_did_not_find_is_fitted_alone(mimucal, shared, engine):
     asked = engine(1)
     assert mimucal("calibrate", shared / SMALL, "--terms", "lever_arm").code == 2
     assert asked["only"] == ("lever_arm",)
-
-
-@pytest.mark.rehearsal
-def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
-    mimucal, home, run_on_earth, engine, tmp_path, unprinted
-) -> None:
-    engine(1)
-    run = run_on_earth
-    laboratory_file(home)
-    tolerance = tmp_path / "limits.toml"
-    tolerance.write_text(
-        'format = "mimu-tolerance/1"\nmanufacturer = "Plant"\nmodel = "M-tactical"\n'
-        'document = "d"\n[[limits]]\nitem = "gyro_bias"\nunit = "deg/s"\nmagnitude = 90\n',
-        encoding="utf-8",
-    )
-    assert mimucal("calibrate", run, "--terms", "bias_step").code == 0
-    order = ("--order", "flows/demo_papers/order.toml")  # waives the largest rate
-    limits = ("--tolerance", tolerance, *order, "--json")
-    without = mimucal("certify", run, *limits)
-    assert without.json["verdict"] == "pass"
-    ordered = mimucal("certify", run, "--terms", "bias_step", "--budget", *limits)
-    assert ordered.code == 0, ordered.err
-    assert (ordered.json["verdict"], ordered.json["state"]) == ("inconclusive", "draft")
-    assert any("bias_step" in reason for reason in ordered.json["reasons"])
 
 
 @pytest.mark.parametrize(
@@ -267,7 +227,7 @@ def test_no_unit_passes_on_it_and_only_an_order_brings_it_on_a_certificate(
         (("--terms", "bias_step", "--uncertainty", "montecarlo"), "propagation"),
     ],
 )
-def test_what_cannot_be_adopted_is_one_sentence(mimucal, shared, engine, arguments, says) -> None:
+def test_what_cannot_be_adopted_is_one_sentence(mimucal, shared, engine, arguments, says):
     engine(1)
     done = mimucal("calibrate", shared / SMALL, *arguments)
     assert (done.code, done.out) == (2, "")
@@ -275,31 +235,8 @@ def test_what_cannot_be_adopted_is_one_sentence(mimucal, shared, engine, argumen
     assert says in done.err
 
 
-@pytest.fixture(scope="module")
-def answers() -> dict[str, Explanation]:
-    """What the engine as it is has answered, by the recording's hash."""
-    return {}
-
-
 @pytest.fixture
-def asked_once(answers: dict[str, Explanation], monkeypatch) -> None:
-    """The engine as it is, which takes seconds: of one recording it is asked once."""
-
-    def explain(recording: Recording, **more: Any) -> Explanation:
-        if recording.digest not in answers:
-            answers[recording.digest] = as_it_is(recording, **more)
-        return answers[recording.digest]
-
-    monkeypatch.setattr("tasks.explain.explain.explain", explain)
-
-
-def true_rate_sensitivity(folder: Path) -> dict[str, float]:
-    truth = json.loads((folder / "truth.json").read_text(encoding="utf-8"))["parameters"]["P"]
-    return {a + b: truth[i][j] for i, a in enumerate("xyz") for j, b in enumerate("xyz") if i != j}
-
-
-@pytest.fixture
-def first_half(plant_on_earth: Path, tmp_path: Path) -> Path:
+def first_half(plant_on_earth, tmp_path) -> Path:
     """All positions, and one axis of three turned about."""
     folder, end = tmp_path / plant_on_earth.name, 807.0
     folder.mkdir()
@@ -314,7 +251,7 @@ def first_half(plant_on_earth: Path, tmp_path: Path) -> Path:
 
 def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
     mimucal, first_half, tmp_path, monkeypatch
-) -> None:
+):
     monkeypatch.setattr("tasks.stages.explain.pictures_of", lambda *_: BLANK)  # of the kept page
     done = mimucal("explain", first_half, "--out", tmp_path / "report", "--json")
     assert done.code == 0, done.err
@@ -328,23 +265,6 @@ def test_engine_as_it_is_names_the_missing_physics_and_writes_the_report(
     assert (tmp_path / "report" / "report.html").exists()
 
 
-@pytest.mark.rehearsal
-def test_engine_as_it_is_gives_the_unit_its_true_rate_sensitivity_back(
-    mimucal, plant_arm, asked_once
-) -> None:
-    """Off the axes by centimetres, it reads an arm as p_ij: hundreds of U beside the truth."""
-    explained = mimucal("explain", plant_arm, "--json")
-    moved = {(c["item"], c["element"]): c for c in explained.json["findings"][0]["consequences"]}
-    for element, true in true_rate_sensitivity(plant_arm).items():  # eq. (12) turns its sign
-        change = moved["accel_rate_sensitivity", element]
-        assert abs(change["before"] + true) > 20.0 * abs(change["after"] + true)
-    done = mimucal("calibrate", plant_arm, "--terms", "lever_arm", "--json")
-    assert done.code == 0, done.err
-    item = done.json["items"]["accel_rate_sensitivity"]
-    for element, true in true_rate_sensitivity(plant_arm).items():
-        assert abs(item["value_model"][element] - true) < 1.5 * item["U"][element]
-
-
 # `mimucal next`: the procedure that it writes is one that `acquire` takes; refusals are said.
 
 PROCEDURE = Procedure(
@@ -356,12 +276,12 @@ PROCEDURE = Procedure(
 
 
 @pytest.fixture
-def run(home: Path, ideal_run: Callable[..., Recording]) -> str:
+def run(home, ideal_run) -> str:
     return runs.add(ideal_run(dwell=1.0), Home(home))[0].id
 
 
 @pytest.fixture
-def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
+def answered(monkeypatch) -> Callable[..., None]:
     """The engine with a known answer: the chi-squared that its procedure shows."""
 
     def answer(left: float, *names: str) -> None:
@@ -383,8 +303,8 @@ def answered(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
 
 
 def test_the_recording_that_decides_is_a_procedure_that_acquire_takes(
-    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
-) -> None:
+    run, answered, mimucal, tmp_path
+):
     answered(80.0)
     out = tmp_path / "next.json"
     done = mimucal("next", run, "--out", str(out), "--json")
@@ -402,8 +322,8 @@ def test_the_recording_that_decides_is_a_procedure_that_acquire_takes(
 
 
 def test_what_the_station_cannot_decide_is_said_and_nothing_is_written(
-    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
-) -> None:
+    run, answered, mimucal, tmp_path
+):
     answered(10.0)
     out = tmp_path / "next.json"
     done = mimucal("next", run, "--out", str(out), "--json")
@@ -413,16 +333,14 @@ def test_what_the_station_cannot_decide_is_said_and_nothing_is_written(
     assert not out.exists()
 
 
-def test_where_nothing_is_open_it_asks_what_to_tell_apart(
-    run: str, mimucal, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_where_nothing_is_open_it_asks_what_to_tell_apart(run, mimucal, monkeypatch):
     monkeypatch.setattr(next_recording, "open_question", lambda *_: None)
     refused = mimucal("next", run)
     assert refused.code == 2
     assert "--for" in refused.err
 
 
-def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Path) -> None:
+def test_unusable_options_are_one_sentence_each(run, mimucal, tmp_path):
     for arguments in (
         ("--minutes", "0"), ("--minutes", "abc"), ("--station", str(tmp_path / "none.toml")),
         ("--procedure", str(tmp_path / "none.toml")), ("--for", "no_such_effect"),
@@ -440,9 +358,7 @@ def test_unusable_options_are_one_sentence_each(run: str, mimucal, tmp_path: Pat
         ("time_offset,time_offset", "twice"), ("", "--for is empty"), (" , ", "--for is empty"),
     ],
 )  # fmt: skip
-def test_what_is_no_effect_is_refused_before_any_work(
-    run: str, mimucal, monkeypatch: pytest.MonkeyPatch, effects: str, says: str
-) -> None:
+def test_what_is_no_effect_is_refused_before_any_work(run, mimucal, monkeypatch, effects, says):
     monkeypatch.setattr(next_recording, "open_question", _is_long)
     refused = mimucal("next", run, "--for", effects)
     assert refused.code == 2
@@ -454,8 +370,8 @@ def _is_long(*_: object) -> None:
 
 
 def test_a_file_that_is_there_is_refused_before_any_work_and_stays(
-    run: str, mimucal, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
+    run, mimucal, monkeypatch, tmp_path
+):
     monkeypatch.setattr(next_recording, "open_question", _is_long)
     out = tmp_path / "next.json"
     out.write_text("kept", encoding="utf-8")
@@ -470,9 +386,9 @@ def test_a_file_that_is_there_is_refused_before_any_work_and_stays(
 
 
 def test_a_full_disk_leaves_no_half_procedure(
-    run: str, answered: Callable[[float], None], mimucal, monkeypatch: pytest.MonkeyPatch,
-    tmp_path: Path,
-) -> None:  # fmt: skip
+    run, answered, mimucal, monkeypatch,
+    tmp_path
+):  # fmt: skip
     answered(80.0)
 
     def full(path: Path, *_: object, **__: object) -> int:
@@ -484,9 +400,7 @@ def test_a_full_disk_leaves_no_half_procedure(
     assert (refused.code, list(tmp_path.glob("*next*"))) == (2, [])
 
 
-def test_the_base_is_a_procedure_by_its_name_or_a_file(
-    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
-) -> None:
+def test_the_base_is_a_procedure_by_its_name_or_a_file(run, answered, mimucal, tmp_path):
     answered(80.0)
     out = str(tmp_path / "next.json")
     assert mimucal("next", run, "--procedure", "jjf2003", "--out", out).code == 0
@@ -494,16 +408,7 @@ def test_the_base_is_a_procedure_by_its_name_or_a_file(
     assert (refused.code, "jjf2003" in refused.err) == (2, True)
 
 
-def test_two_runs_of_a_pair_are_asked_in_turn(
-    run: str, answered: Callable[[float], None], mimucal, tmp_path: Path
-) -> None:
-    answered(80.0)
-    assert mimucal("next", run, run, "--out", str(tmp_path / "n.json")).code == 0
-
-
-def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
-    run: str, answered: Callable[[float], None], mimucal
-) -> None:
+def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(run, answered, mimucal):
     answered(20.0)
     text = mimucal("next", run, "--json").json["statement"]["en"]
     assert int(re.findall(r"--minutes (\d+)", text)[0]) > 15  # min, that it may take by itself
@@ -513,9 +418,7 @@ def test_what_more_of_the_same_would_decide_is_said_with_its_minutes(
     assert "As far as the encoders of this table resolve its motion" in text
 
 
-def test_runs_of_two_units_are_refused_in_one_sentence(
-    home: Path, run: str, ideal_run: Callable[..., Recording], mimucal
-) -> None:
+def test_runs_of_two_units_are_refused_in_one_sentence(home, run, ideal_run, mimucal):
     other = ideal_run(dwell=1.0)
     unit = other.manifest.unit.model_copy(update={"serial": "ANOTHER"})
     other = replace(other, manifest=other.manifest.model_copy(update={"unit": unit}))
@@ -528,9 +431,7 @@ def test_runs_of_two_units_are_refused_in_one_sentence(
 # `mimucal simulate`: a recording that can be read, imported and explained with.
 
 
-def test_simulation_of_a_clean_plant_reads_what_the_plant_read(
-    mimucal, plant_clean, tmp_path
-) -> None:
+def test_simulation_of_a_clean_plant_reads_what_the_plant_read(mimucal, plant_clean, tmp_path):
     done = mimucal("simulate", plant_clean, "--out", tmp_path / "sim", "--json")
     assert (done.code, done.json["format"]) == (0, "mimu-simulate/1")
     assert done.json["assumed_ideal"] == []
@@ -543,22 +444,7 @@ def test_simulation_of_a_clean_plant_reads_what_the_plant_read(
     assert np.abs(means[:, 3:]).max() < 5e-3
 
 
-@pytest.mark.rehearsal
-def test_calibration_may_come_from_a_file_or_by_its_id(mimucal, plant_clean, tmp_path) -> None:
-    calibration = mimucal("calibrate", plant_clean, "--json")
-    file = tmp_path / "result.json"
-    document = json.loads(calibration.out)
-    document["items"]["gyro_bias"]["value"]["x"] += 1.0
-    file.write_text(json.dumps(document), encoding="utf-8")
-    (kept,) = mimucal("show", calibration.json["run"], "--json").json["results"]
-    for folder, named in (("a", file), ("b", kept["id"])):
-        done = mimucal("simulate", plant_clean, "--calibration", named, "--out", tmp_path / folder)
-        assert done.code == 0, done.err
-    a, b = (read_folder(tmp_path / folder).imu.columns["gyro_x"] for folder in "ab")
-    np.testing.assert_allclose(a - b, np.radians(1.0), atol=1e-12)
-
-
-def test_bad_calibration_is_one_sentence(mimucal, plant_clean, tmp_path) -> None:
+def test_bad_calibration_is_one_sentence(mimucal, plant_clean, tmp_path):
     """Not there, not a result, not JSON."""
     order, wrong = tmp_path / "order.toml", tmp_path / "result.json"
     order.write_text('format = "mimu-order/1"\n', encoding="utf-8")
@@ -571,7 +457,7 @@ def test_bad_calibration_is_one_sentence(mimucal, plant_clean, tmp_path) -> None
         assert not (tmp_path / "sim").exists()
 
 
-def test_a_folder_that_is_taken_is_not_written_over(mimucal, plant_clean, tmp_path) -> None:
+def test_a_folder_that_is_taken_is_not_written_over(mimucal, plant_clean, tmp_path):
     (tmp_path / "kept").write_text("mine", encoding="utf-8")
     done = mimucal("simulate", plant_clean, "--out", tmp_path)
     assert done.code == 2

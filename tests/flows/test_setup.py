@@ -21,7 +21,7 @@ def put(folder: Path, name: str, text: str) -> None:
     (folder / name).chmod(0o755)
 
 
-def test_missing_venv_without_sudo_names_the_package(tmp_path: Path) -> None:
+def test_missing_venv_without_sudo_names_the_package(tmp_path):
     put(tmp_path, "python3.12", WITHOUT_VENV)
     put(tmp_path, "id", "#!/bin/sh\necho 1000\n")
     put(tmp_path, "sudo", "#!/bin/sh\nexit 1\n")
@@ -31,7 +31,7 @@ def test_missing_venv_without_sudo_names_the_package(tmp_path: Path) -> None:
     assert done.stderr.count("\n") == 1
 
 
-def test_old_or_missing_python_is_one_sentence(tmp_path: Path) -> None:
+def test_old_or_missing_python_is_one_sentence(tmp_path):
     put(tmp_path, "python3", "#!/bin/sh\nexit 1\n")
     done = setup(tmp_path, "python3")
     assert done.returncode == 1

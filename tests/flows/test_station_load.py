@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 
 from tasks.station import load_coefficients
-from tests.tasks.station.listening_unit import unit
+from tests.tasks.station.over_sockets import unit
 from tests.tasks.station.sample_stations import sample
 
 LINES = ["$WRITE,10,{B_g[0]:+.6e}", "$WRITE,11,{C_a[1][2]:+.6e}"]
@@ -15,7 +15,7 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
-def correction(mimucal, run_on_earth: str) -> dict[str, Any]:
+def correction(mimucal, run_on_earth) -> dict[str, Any]:
     return json.loads(mimucal("export", run_on_earth, "--as", "json").out)
 
 
@@ -30,7 +30,7 @@ def station_file(folder: Path, correction: dict[str, Any], url: str, **unit: str
     return file
 
 
-def test_the_unit_is_told_the_coefficients_of_its_own_result(mimucal, correction, tmp_path) -> None:
+def test_the_unit_is_told_the_coefficients_of_its_own_result(mimucal, correction, tmp_path):
     with unit(lambda _: b"$OK\r\n") as (url, document):
         file = station_file(tmp_path, correction, url)
         done = mimucal("station", "load", file, correction["run"])
@@ -42,7 +42,7 @@ def test_the_unit_is_told_the_coefficients_of_its_own_result(mimucal, correction
     )
 
 
-def test_what_was_loaded_is_said_as_json(mimucal, correction, tmp_path) -> None:
+def test_what_was_loaded_is_said_as_json(mimucal, correction, tmp_path):
     with unit(lambda _: b"$OK\r\n") as (url, _):
         file = station_file(tmp_path, correction, url)
         loaded = mimucal("station", "load", file, correction["run"], "--json").json
@@ -59,7 +59,7 @@ def test_what_was_loaded_is_said_as_json(mimucal, correction, tmp_path) -> None:
 )
 def test_what_cannot_be_loaded_is_one_sentence(
     mimucal, correction, tmp_path, monkeypatch, changes, answer, sentence
-) -> None:
+):
     monkeypatch.setattr(load_coefficients, "ANSWER_S", 0.3)
     with unit(lambda _: answer) as (url, _):
         file = station_file(tmp_path, correction, url, **changes)

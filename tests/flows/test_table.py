@@ -1,9 +1,7 @@
 """The store as tables that other programs read."""
 
 import shutil
-from collections.abc import Callable
 from io import StringIO
-from pathlib import Path
 
 import duckdb
 import pandas as pd
@@ -13,7 +11,6 @@ import pytest
 from schemas.calibration import BudgetInput
 from schemas.history import Change
 from schemas.orders import CalibrateOrder
-from schemas.recording import Recording
 from storage import dataframes
 from storage.catalogue import runs
 from storage.home import Home
@@ -21,9 +18,7 @@ from tasks.stages.estimate import estimate
 
 
 @pytest.fixture(scope="module")
-def calibrated(
-    tmp_path_factory: pytest.TempPathFactory, ideal_run: Callable[..., Recording]
-) -> Home:
+def calibrated(tmp_path_factory, ideal_run) -> Home:
     """A run, calibrated."""
     kept = Home(tmp_path_factory.mktemp("calibrated") / "home")
     run, _ = runs.add(ideal_run(dwell=1.0), kept)
@@ -32,21 +27,21 @@ def calibrated(
 
 
 @pytest.fixture
-def store(home: Path, calibrated: Home) -> Home:
+def store(home, calibrated) -> Home:
     """A copy of it, where commands look."""
     shutil.copytree(calibrated.path, home)
     return Home(home)
 
 
 @pytest.mark.parametrize("what", ["runs", "results", "segments"])
-def test_csv_on_standard_output_holds_the_table(store: Home, mimucal, what: str) -> None:
+def test_csv_on_standard_output_holds_the_table(store, mimucal, what):
     printed = pd.read_csv(StringIO(mimucal("table", what).out))
     expected = dataframes.TABLES[what](store)
     assert list(printed.columns) == list(expected.columns)
     assert len(printed) == len(expected) > 0
 
 
-def test_parquet_keeps_every_digit(store: Home, mimucal, tmp_path: Path) -> None:
+def test_parquet_keeps_every_digit(store, mimucal, tmp_path):
     file = tmp_path / "results.parquet"
     assert mimucal("table", "results", "--as", "parquet", "--out", file).code == 0
     pd.testing.assert_series_equal(
@@ -54,7 +49,7 @@ def test_parquet_keeps_every_digit(store: Home, mimucal, tmp_path: Path) -> None
     )
 
 
-def test_a_folder_is_partitioned_by_station_and_month(store: Home, mimucal, tmp_path: Path) -> None:
+def test_a_folder_is_partitioned_by_station_and_month(store, mimucal, tmp_path):
     folder = tmp_path / "segments"
     assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 0
     assert [each.name for each in (folder / "station=test").iterdir()] == ["month=unknown"]
@@ -63,7 +58,7 @@ def test_a_folder_is_partitioned_by_station_and_month(store: Home, mimucal, tmp_
     assert mimucal("table", "segments", "--as", "parquet", "--out", folder).code == 2
 
 
-def test_duckdb_reads_each_column_by_its_name(store: Home, mimucal, tmp_path: Path) -> None:
+def test_duckdb_reads_each_column_by_its_name(store, mimucal, tmp_path):
     mimucal("table", "results", "--as", "parquet", "--out", tmp_path / "results.parquet")
     mimucal("table", "results", "--out", tmp_path / "results.csv")
     expected = dataframes.results(store)
@@ -75,12 +70,12 @@ def test_duckdb_reads_each_column_by_its_name(store: Home, mimucal, tmp_path: Pa
 
 
 @pytest.mark.parametrize("what", dataframes.TABLES)
-def test_columns_of_a_table_differ_by_more_than_case(store: Home, what: str) -> None:
+def test_columns_of_a_table_differ_by_more_than_case(store, what):
     names = [name.lower() for name in dataframes.TABLES[what](store).columns]
     assert len(set(names)) == len(names)
 
 
-def test_columns_of_the_other_files_differ_by_more_than_case() -> None:
+def test_columns_of_the_other_files_differ_by_more_than_case():
     for names in (list(Change.model_fields), ["item", "element", "u_c", *BudgetInput.model_fields]):
         assert len({name.lower() for name in names}) == len(names)
 
@@ -90,16 +85,14 @@ def test_columns_of_the_other_files_differ_by_more_than_case() -> None:
     [(("raw",), "'raw'"), (("runs", "--as", "xlsx"), "--as xlsx"),
      (("runs", "--out", "/dev/null/x.csv"), "/dev/null/x.csv")],
 )  # fmt: skip
-def test_what_cannot_be_is_one_sentence(
-    store: Home, mimucal, arguments: tuple[str, ...], named: str
-) -> None:
+def test_what_cannot_be_is_one_sentence(store, mimucal, arguments, named):
     refused = mimucal("table", *arguments)
     assert refused.code == 2
     assert named in refused.err
 
 
 @pytest.mark.parametrize("what", ["runs", "results", "segments", "certificates"])
-def test_json_holds_the_rows_of_the_table(store: Home, mimucal, what: str) -> None:
+def test_json_holds_the_rows_of_the_table(store, mimucal, what):
     document = mimucal("table", what, "--json").json
     expected = dataframes.TABLES[what](store)
     assert (document["format"], document["table"]) == ("mimu-table/1", what)

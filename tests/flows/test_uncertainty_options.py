@@ -1,4 +1,4 @@
-"""Ordering an evaluation of uncertainty, a laboratory's own limits, and the budgets in print."""
+"""Ordering an evaluation of uncertainty, a laboratory's own limits, budgets, the joint method."""
 
 import json
 import re
@@ -7,6 +7,8 @@ from pathlib import Path
 
 import pypdfium2
 import pytest
+
+# Ordering an evaluation of uncertainty, a laboratory's own limits, and the budgets in print.
 
 LABORATORY = """
 party = {name = "L", name_zh = "实", address = "a", address_zh = "址"}
@@ -18,7 +20,7 @@ source = "certificate 7"
 
 
 @pytest.fixture
-def laboratory(tmp_path: Path) -> Path:
+def laboratory(tmp_path) -> Path:
     path = tmp_path / "laboratory.toml"
     path.write_text(LABORATORY, encoding="utf-8")
     return path
@@ -29,7 +31,7 @@ def words_of(pdf: str) -> str:
     return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
 
 
-def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean) -> None:
+def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean):
     done = mimucal("calibrate", plant_clean, "--json").json
     assert done["settings"]["uncertainty"] == "GUM"
     assert done["settings"]["limits"] == "JJF 2003-2022, Table 1"
@@ -39,26 +41,9 @@ def test_calibrate_gives_budgets_by_the_law_of_propagation(mimucal, plant_clean)
     assert {line["kind"] for line in budget["inputs"]} == {"A", "B"}
 
 
-@pytest.mark.rehearsal
-def test_calibrate_as_the_example_is_another_result_of_the_same_run(mimucal, plant_clean) -> None:
-    gum = mimucal("calibrate", plant_clean, "--json").json
-    example = mimucal("calibrate", plant_clean, "--uncertainty", "example", "--json").json
-    kinds = {item["uncertainty_kind"] for item in example["items"].values()}
-    assert kinds == {"as the specification's example"}
-    assert example["settings"]["effective bits"] == "12 (the example's)"
-    for name, item in example["items"].items():
-        assert item["value"] == pytest.approx(gum["items"][name]["value"])
-    kept = mimucal("show", gum["run"], "--json").json["results"]
-    assert [each["calibration"]["settings"]["uncertainty"] for each in kept][:2] == [
-        "GUM",
-        "as the specification's example",
-    ]
-    assert kept[1]["why"] == "made with another settings"
-
-
 def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_intervals(
     mimucal, ahrs_clean
-) -> None:
+):
     ordered = ("calibrate", ahrs_clean, "--uncertainty", "montecarlo", "--json")
     done = mimucal(*ordered).json
     assert done == mimucal(*ordered).json
@@ -68,16 +53,15 @@ def test_calibrate_by_monte_carlo_repeats_digit_for_digit_and_states_its_interva
         for element, budget in item["budgets"].items():
             low, high = budget["coverage_interval"]
             assert low < item["value"][element] < high
-    printed = words_of(
-        mimucal("certify", done["run"], "--budget", "--uncertainty", "montecarlo", "--json").json[
-            "pdf"
-        ]
-    )
+    by_draws = ("--budget", "--uncertainty", "montecarlo", "--json")
+    drafted = mimucal("certify", done["run"], *by_draws).json
+    assert drafted["evidence"] is None
+    printed = words_of(drafted["pdf"])
     assert "propagation of distributions by Monte Carlo" in printed
     assert "drawn from their distributions" in printed
 
 
-def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tmp_path) -> None:
+def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tmp_path):
     """Of a table whose encoders were not recorded, and that holds its rates as it states."""
     recorded = shared / "real/vn200_imu0_rate_table"
     manifest = json.loads((recorded / "manifest.json").read_text())
@@ -92,7 +76,7 @@ def test_the_terminal_shows_the_coverage_factor_of_each_item(mimucal, shared, tm
 @pytest.mark.rehearsal
 def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
     mimucal, shared, laboratory
-) -> None:
+):
     certify = ("certify", shared / "real/ferraris_session", "--invalid-run", "--json")
     done = mimucal(*certify, "--budget", "--laboratory", laboratory).json
     words = words_of(done["pdf"])
@@ -105,7 +89,7 @@ def test_certify_prints_the_budgets_and_uses_the_laboratory_it_is_given(
 
 def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
     mimucal, plant_clean, home, laboratory
-) -> None:
+):
     home.mkdir(parents=True)
     (home / "laboratory.toml").write_bytes(laboratory.read_bytes())
     done = mimucal("calibrate", plant_clean, "--json").json
@@ -113,10 +97,29 @@ def test_the_home_s_laboratory_tells_its_limits_to_calibrate(
     assert done["items"]["gyro_scale_factor"]["u"]["x"] == pytest.approx(1e-4, rel=0.01)
 
 
-@pytest.mark.parametrize("command", ["calibrate", "certify"])
-def test_an_unknown_evaluation_is_refused_in_one_sentence(mimucal, command: str) -> None:
-    done = mimucal(command, "x", "--uncertainty", "guess")
-    assert (done.code, done.out) == (2, "")
-    assert done.err.count("\n") == 1
-    assert "--uncertainty guess" in done.err
-    assert "gum, montecarlo, example" in done.err
+# The joint method as it is ordered: by --method, from any kind of recording.
+
+
+@pytest.mark.parametrize(
+    "name",
+    [
+        pytest.param("real/xsens_multiposition", marks=pytest.mark.rehearsal),
+        "real/ln100_two_position",
+    ],
+)
+def test_a_joint_calibration_and_its_certificate_are_ordered_by_method(mimucal, shared, name):
+    found = mimucal("calibrate", shared / name, "--method", "joint", "--json")
+    assert found.code == 0
+    assert found.json["method"] == "joint"
+    assert len(found.json["items"]) == 9
+    certificate = mimucal("certify", shared / name, "--method", "joint", "--budget", "--json")
+    assert certificate.code == 0
+    assert certificate.json["verdict"] == "inconclusive"
+    assert Path(certificate.json["pdf"]).read_bytes().startswith(b"%PDF")
+
+
+def test_accumulated_angles_are_sent_to_their_own_method(mimucal, ahrs_clean):
+    refused = mimucal("calibrate", ahrs_clean, "--method", "joint")
+    assert refused.code == 2
+    assert "--method jjf1536" in refused.err
+    assert "Traceback" not in refused.err

@@ -7,7 +7,7 @@ from typing import Literal
 
 import numpy as np
 
-from schemas.discrepancy import Review, ReviewFinding, RunStatistics
+from schemas.discrepancy import Review, ReviewFinding
 from schemas.recording import Manifest, Recording
 from storage.run_statistics import decoded, encoded
 from tasks.review.pool import VERSION, ReviewedRun, pooled, statistics_of

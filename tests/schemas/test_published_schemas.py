@@ -14,12 +14,12 @@ from tasks.specifications.jjf2003 import JJF2003
 
 
 @pytest.mark.parametrize("name", sorted(PUBLISHED))
-def test_published_schema_has_not_drifted_from_its_model(name: str) -> None:
+def test_published_schema_has_not_drifted_from_its_model(name):
     published = (FOLDER / f"{name}.json").read_text(encoding="utf-8")
     assert published == schema_text(PUBLISHED[name]), "run python -m schemas.publish"
 
 
-def test_a_calibration_survives_being_written_and_read(ideal_run) -> None:
+def test_a_calibration_survives_being_written_and_read(ideal_run):
     calibration = calibrate(JJF2003, ideal_run(), run="r", code_version="v")
     text = calibration.model_dump_json()
     again = Calibration.model_validate_json(text)
@@ -28,7 +28,7 @@ def test_a_calibration_survives_being_written_and_read(ideal_run) -> None:
     assert json.loads(text)["warnings"] == list(calibration.warnings)
 
 
-def test_a_manifest_keeps_fields_it_does_not_know() -> None:
+def test_a_manifest_keeps_fields_it_does_not_know():
     manifest = Manifest.model_validate(
         {
             "format": "mimu-recording/1",
@@ -54,11 +54,11 @@ def test_a_manifest_keeps_fields_it_does_not_know() -> None:
         (Limit, {"item": "gyro_bias", "unit": "deg/s", "magnitude": 1, "upper": 2}),
     ],
 )
-def test_what_makes_no_sense_is_refused(model, document) -> None:
+def test_what_makes_no_sense_is_refused(model, document):
     with pytest.raises(ValidationError):
         model.model_validate(document)
 
 
-def test_a_magnitude_is_a_limit_on_both_sides() -> None:
+def test_a_magnitude_is_a_limit_on_both_sides():
     assert Limit(item="gyro_bias", unit="deg/s", magnitude=0.5).bounds == (-0.5, 0.5)
     assert Limit(item="gyro_bias", unit="deg/s", upper=0.5).bounds == (None, 0.5)

@@ -53,7 +53,7 @@ def server() -> Iterator[str]:
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
-def either(request: pytest.FixtureRequest, fresh: Home, monkeypatch: pytest.MonkeyPatch) -> Home:
+def either(request, fresh, monkeypatch) -> Home:
     """A fresh home whose catalogue is a file of its own, or an empty database on a server."""
     if request.param == "postgresql":
         server = request.getfixturevalue("server")
@@ -72,7 +72,7 @@ def forking() -> Iterator[subprocess.Popen[str]]:
 
 
 @pytest.fixture
-def at_once(forking: subprocess.Popen[str]) -> Callable[..., list[str]]:
+def at_once(forking) -> Callable[..., list[str]]:
     """Runs a script in several processes that all start it at the same moment.
 
     The script knows store, Home, Path, date, home and arguments; gives what each printed. The

@@ -3,7 +3,6 @@
 import json
 import shutil
 from collections.abc import Callable
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -20,21 +19,19 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
-def keys(monkeypatch: pytest.MonkeyPatch) -> None:
+def keys(monkeypatch) -> None:
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "of-a-test")
     monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
 
 
 @pytest.fixture
-def use(keys: None, monkeypatch: pytest.MonkeyPatch) -> Callable[[str], None]:
+def use(keys, monkeypatch) -> Callable[[str], None]:
     """Has the home keep its recordings in a bucket."""
     return lambda url: monkeypatch.setenv("MIMUCAL_STORE", url)
 
 
-def test_a_recording_in_a_bucket_comes_back_with_nothing_in_the_home_but_the_catalogue(
-    fresh: Home, use
-) -> None:
+def test_a_recording_in_a_bucket_comes_back_with_nothing_in_the_home_but_the_catalogue(fresh, use):
     store, recording = Store(), small()
     with serving(store) as url:
         use(url)
@@ -52,9 +49,7 @@ def test_a_recording_in_a_bucket_comes_back_with_nothing_in_the_home_but_the_cat
         assert checked == 2
 
 
-def test_keys_in_the_url_open_the_bucket_and_stand_in_no_name(
-    fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_keys_in_the_url_open_the_bucket_and_stand_in_no_name(fresh, monkeypatch):
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.delenv(name, raising=False)
     monkeypatch.setenv("AWS_EC2_METADATA_DISABLED", "true")
@@ -68,7 +63,7 @@ def test_keys_in_the_url_open_the_bucket_and_stand_in_no_name(
         blobs.blobs_of(fresh)
 
 
-def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(fresh: Home, use) -> None:
+def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(fresh, use):
     store = Store()
     with serving(store) as url:
         use(url)
@@ -87,8 +82,8 @@ def test_columns_that_went_missing_in_a_bucket_are_made_again_from_raw(fresh: Ho
     ["../../elsewhere.parquet", "/elsewhere.parquet", "sub/imu.parquet", "", "i" * 300, None],
 )
 def test_a_manifest_in_a_bucket_that_names_what_is_no_file_of_its_folder_is_made_again(
-    fresh: Home, use, names: str | None
-) -> None:
+    fresh, use, names
+):
     store = Store()
     with serving(store) as url:
         use(url)
@@ -102,7 +97,7 @@ def test_a_manifest_in_a_bucket_that_names_what_is_no_file_of_its_folder_is_made
         assert store.objects[manifest] == whole
 
 
-def test_damaged_raw_in_a_bucket_is_a_fault(fresh: Home, use) -> None:
+def test_damaged_raw_in_a_bucket_is_a_fault(fresh, use):
     store = Store()
     with serving(store) as url:
         use(url)
@@ -113,7 +108,7 @@ def test_damaged_raw_in_a_bucket_is_a_fault(fresh: Home, use) -> None:
         assert "s3://lab/mimu/raw/" in fault.what
 
 
-def test_a_bucket_that_answers_500_and_slowly_costs_time_alone(fresh: Home, use) -> None:
+def test_a_bucket_that_answers_500_and_slowly_costs_time_alone(fresh, use):
     store = Store(every=4, pause_s=0.01)
     with serving(store) as url:
         use(url)
@@ -123,9 +118,7 @@ def test_a_bucket_that_answers_500_and_slowly_costs_time_alone(fresh: Home, use)
     assert store.faults > 3
 
 
-def test_a_bucket_that_is_gone_is_a_sentence_and_no_damage(
-    fresh: Home, use, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bucket_that_is_gone_is_a_sentence_and_no_damage(fresh, use, monkeypatch):
     monkeypatch.setattr(blobs, "ATTEMPTS", 1)
     monkeypatch.setattr(blobs, "CONNECT_S", 0.5)
     with serving(Store()) as url:
@@ -136,15 +129,13 @@ def test_a_bucket_that_is_gone_is_a_sentence_and_no_damage(
 
 
 @pytest.mark.parametrize("url", ["http://lab/x", "s3:///x", "s3://lab/x?key=secret", "lab"])
-def test_a_store_that_is_no_bucket_is_refused(fresh: Home, use, url: str) -> None:
+def test_a_store_that_is_no_bucket_is_refused(fresh, use, url):
     use(url)
     with pytest.raises(Unusable, match="MIMUCAL_STORE"):
         runs.add(small(), fresh)
 
 
-def test_a_folder_and_a_bucket_hold_the_same_bytes(
-    fresh: Home, use, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_folder_and_a_bucket_hold_the_same_bytes(fresh, use, tmp_path, monkeypatch):
     run, _ = runs.add(small(), fresh)
     raw = (fresh.raw / f"{run.digest}.mcap").read_bytes()
     store = Store()
@@ -156,7 +147,7 @@ def test_a_folder_and_a_bucket_hold_the_same_bytes(
     assert store.objects[f"lab/mimu/raw/{run.digest}.mcap"] == raw
 
 
-def test_a_file_without_a_suffix_is_a_file_in_a_bucket_too(fresh: Home, use) -> None:
+def test_a_file_without_a_suffix_is_a_file_in_a_bucket_too(fresh, use):
     """As the statistics that `review` keeps of each run."""
     with serving(Store()) as url:
         use(url)

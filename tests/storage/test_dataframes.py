@@ -3,31 +3,28 @@
 import shutil
 import subprocess
 import sys
-from collections.abc import Callable
 
 import numpy as np
 import pandas as pd
 import pytest
 import sqlalchemy as sql
 
-from schemas.recording import Recording
 from storage import dataframes
 from storage.catalogue import database, results, runs, tables
-from storage.home import Home
 from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf2003 import JJF2003
 from tests.keep import keep
 from tests.storage.small import calibrated, certified, small
 
 
-def test_each_run_is_a_row(fresh: Home) -> None:
+def test_each_run_is_a_row(fresh):
     kept = [runs.add(small(start), fresh)[0] for start in (0.0, 1.0)]
     table = dataframes.runs(fresh)
     assert list(table["id"]) == [run.id for run in kept]
     assert list(table["rows"]) == [300, 300]
 
 
-def test_each_element_of_each_result_is_a_row_and_the_newest_are_marked(fresh: Home) -> None:
+def test_each_element_of_each_result_is_a_row_and_the_newest_are_marked(fresh):
     run = runs.add(small(), fresh)[0]
     first, second = (results.save(calibrated(run, value), fresh) for value in (0.25, 0.5))
     table = dataframes.results(fresh).set_index("result")
@@ -38,9 +35,7 @@ def test_each_element_of_each_result_is_a_row_and_the_newest_are_marked(fresh: H
     assert set(table.loc[[second], "value"].dropna()) == {0.5}
 
 
-def test_segments_and_budgets_of_a_calibration(
-    fresh: Home, ideal_run: Callable[..., Recording]
-) -> None:
+def test_segments_and_budgets_of_a_calibration(fresh, ideal_run):
     recording = ideal_run(dwell=1.0)
     run = runs.add(recording, fresh)[0]
     calibration = calibrate(JJF2003, runs.load(run, fresh), run=run.id, code_version="v")
@@ -60,7 +55,7 @@ def test_segments_and_budgets_of_a_calibration(
         np.testing.assert_allclose(lines["u_c"], budget.u_c)
 
 
-def test_tables_open_no_document_and_no_recording(fresh: Home) -> None:
+def test_tables_open_no_document_and_no_recording(fresh):
     run = runs.add(small(), fresh)[0]
     results.save(calibrated(run), fresh)
     with database.changing(fresh) as connection:
@@ -71,9 +66,7 @@ def test_tables_open_no_document_and_no_recording(fresh: Home) -> None:
     assert list(dataframes.runs(fresh)["station"]) == ["T1"]
 
 
-def test_results_of_an_earlier_version_are_in_the_tables(
-    fresh: Home, ideal_run: Callable[..., Recording]
-) -> None:
+def test_results_of_an_earlier_version_are_in_the_tables(fresh, ideal_run):
     recording = ideal_run(dwell=1.0)
     run = runs.add(recording, fresh)[0]
     results.save(calibrate(JJF2003, runs.load(run, fresh), run=run.id, code_version="v"), fresh)
@@ -85,7 +78,7 @@ def test_results_of_an_earlier_version_are_in_the_tables(
         pd.testing.assert_frame_equal(table(fresh), before)
 
 
-def test_each_certificate_is_a_row_with_its_run(fresh: Home) -> None:
+def test_each_certificate_is_a_row_with_its_run(fresh):
     recording = small()
     run = runs.add(recording, fresh)[0]
     keep(certified(recording, calibrated(run), "A-1"), fresh)
@@ -95,7 +88,7 @@ def test_each_certificate_is_a_row_with_its_run(fresh: Home) -> None:
     )  # fmt: skip
 
 
-def test_an_empty_home_gives_empty_tables_with_their_columns(fresh: Home) -> None:
+def test_an_empty_home_gives_empty_tables_with_their_columns(fresh):
     for ask in dataframes.TABLES.values():
         table = ask(fresh)
         assert table.empty
@@ -103,7 +96,7 @@ def test_an_empty_home_gives_empty_tables_with_their_columns(fresh: Home) -> Non
     assert not fresh.path.exists()
 
 
-def test_pandas_is_imported_when_a_table_is_asked_for() -> None:
+def test_pandas_is_imported_when_a_table_is_asked_for():
     code = "import sys; from storage import dataframes; print('pandas' in sys.modules)"
     done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert done.stdout.strip() == "False"

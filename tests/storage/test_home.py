@@ -52,7 +52,7 @@ except Unusable as error:
 
 
 @pytest.fixture
-def read_only(fresh: Home) -> Iterator[tuple[Home, Run]]:
+def read_only(fresh) -> Iterator[tuple[Home, Run]]:
     """A copy of a home with one run, readable for everybody and writable for nobody."""
     run = runs.add(small(), fresh)[0]
     with tempfile.TemporaryDirectory(prefix="mimucal-ro-") as name:
@@ -68,7 +68,7 @@ def read_only(fresh: Home) -> Iterator[tuple[Home, Run]]:
             folder.chmod(0o755)
 
 
-def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> None:
+def test_home_that_cannot_be_written_is_read(read_only):
     home, run = read_only
     before = sorted(home.path.iterdir())
     command = [sys.executable, "-W", "error", "-c", READ, str(home.path)]
@@ -80,9 +80,7 @@ def test_home_that_cannot_be_written_is_read(read_only: tuple[Home, Run]) -> Non
     assert sorted(home.path.iterdir()) == before
 
 
-def test_an_older_catalogue_that_cannot_be_written_is_refused(
-    fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_older_catalogue_that_cannot_be_written_is_refused(fresh, monkeypatch):
     runs.add(small(), fresh)
     with database.changing(fresh) as connection:
         connection.execute(sql.text("UPDATE alembic_version SET version_num = '0013'"))
@@ -92,14 +90,14 @@ def test_an_older_catalogue_that_cannot_be_written_is_refused(
         runs.all_runs(fresh)
 
 
-def test_home_that_is_a_file_is_refused_for_reading(fresh: Home) -> None:
+def test_home_that_is_a_file_is_refused_for_reading(fresh):
     fresh.path.write_text("")
     for read in (runs.all_runs, certificates.register, verify.verify):
         with pytest.raises(Unusable, match="MIMUCAL_HOME"):
             read(fresh)
 
 
-def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(fresh: Home) -> None:
+def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(fresh):
     run = runs.add(small(), fresh)[0]
     for file in fresh.path.glob("catalog.sqlite-*"):
         file.unlink()
@@ -110,7 +108,7 @@ def test_empty_catalogue_beside_raw_recordings_is_not_taken_as_empty(fresh: Home
     assert (fresh.path / "catalog.sqlite").stat().st_size == 0
 
 
-def test_empty_catalogue_of_an_empty_home_is_made(fresh: Home) -> None:
+def test_empty_catalogue_of_an_empty_home_is_made(fresh):
     fresh.path.mkdir()
     (fresh.path / "catalog.sqlite").touch()
     assert runs.all_runs(fresh) == []
@@ -118,7 +116,7 @@ def test_empty_catalogue_of_an_empty_home_is_made(fresh: Home) -> None:
         assert connection.scalar(sql.select(sql.func.count()).select_from(tables.runs)) == 0
 
 
-def test_home_is_where_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_home_is_where_the_environment_says(monkeypatch):
     monkeypatch.setenv("MIMUCAL_HOME", "somewhere")
     assert home().path == Path.cwd() / "somewhere"
     monkeypatch.delenv("MIMUCAL_HOME")
@@ -126,14 +124,14 @@ def test_home_is_where_the_environment_says(monkeypatch: pytest.MonkeyPatch) -> 
 
 
 def test_catalogue_is_a_file_in_the_home_unless_the_environment_names_a_database(
-    fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    fresh, monkeypatch
+):
     assert fresh.database_url == f"sqlite:///{fresh.path}/catalog.sqlite"
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab@host/mimucal")
     assert fresh.database_url == "postgresql://lab@host/mimucal"
 
 
-def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) -> None:
+def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh):
     assert runs.all_runs(fresh) == []
     assert certificates.register(fresh) == []
     assert verify.verify(fresh) == (0, [])
@@ -142,7 +140,7 @@ def test_looking_into_a_fresh_home_finds_nothing_and_makes_nothing(fresh: Home) 
     assert not fresh.path.exists()
 
 
-def test_written_file_is_whole_and_read_only(tmp_path: Path) -> None:
+def test_written_file_is_whole_and_read_only(tmp_path):
     path = tmp_path / "new" / "file"
     with writing_to(path) as draft:
         draft.write_bytes(b"content")
@@ -151,7 +149,7 @@ def test_written_file_is_whole_and_read_only(tmp_path: Path) -> None:
     assert list(path.parent.iterdir()) == [path]
 
 
-def test_nothing_half_stays_when_writing_fails(tmp_path: Path) -> None:
+def test_nothing_half_stays_when_writing_fails(tmp_path):
     def write() -> None:
         with writing_to(tmp_path / "file") as draft:
             draft.write_bytes(b"half")
@@ -162,7 +160,7 @@ def test_nothing_half_stays_when_writing_fails(tmp_path: Path) -> None:
     assert list(tmp_path.iterdir()) == []
 
 
-def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
+def test_home_that_cannot_be_written_is_one_sentence(fresh):
     fresh.path.write_text("a file stands where the folder should be")
     refused = pytest.raises(Unusable, match=r"MIMUCAL_HOME")
     with refused as caught, writing_to(fresh.raw / "file"):
@@ -173,7 +171,7 @@ def test_home_that_cannot_be_written_is_one_sentence(fresh: Home) -> None:
 
 
 @pytest.mark.parametrize("name", ["with space", "100% a?b#c@d", "实验室"])
-def test_home_may_have_any_name(fresh: Home, name: str) -> None:
+def test_home_may_have_any_name(fresh, name):
     odd = Home(fresh.path / name)
     take_number(odd)
     assert (odd.path / "catalog.sqlite").is_file()
@@ -183,7 +181,7 @@ def test_home_may_have_any_name(fresh: Home, name: str) -> None:
 # Secrets in files: made once, and read only where nobody else can read them.
 
 
-def test_a_secret_is_made_once_for_its_owner_alone(tmp_path: Path) -> None:
+def test_a_secret_is_made_once_for_its_owner_alone(tmp_path):
     tmp_path.chmod(0o755)  # a home that everybody may read does not share it
     path = tmp_path / "orders.key"
     made = whole_files.made(path)
@@ -193,7 +191,7 @@ def test_a_secret_is_made_once_for_its_owner_alone(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("rights", [0o640, 0o604, 0o660])
-def test_a_secret_that_others_may_read_is_none(tmp_path: Path, rights: int) -> None:
+def test_a_secret_that_others_may_read_is_none(tmp_path, rights):
     path = tmp_path / "orders.key"
     whole_files.made(path)
     path.chmod(rights)
@@ -201,14 +199,14 @@ def test_a_secret_that_others_may_read_is_none(tmp_path: Path, rights: int) -> N
         whole_files.made(path)
 
 
-def test_a_link_in_the_place_of_a_secret_is_refused(tmp_path: Path) -> None:
+def test_a_link_in_the_place_of_a_secret_is_refused(tmp_path):
     whole_files.made(tmp_path / "known.key")
     (tmp_path / "orders.key").symlink_to(tmp_path / "known.key")
     with pytest.raises(Unusable, match="a file of its own"):
         whole_files.made(tmp_path / "orders.key")
 
 
-def test_what_is_too_short_to_be_a_secret_is_refused(tmp_path: Path) -> None:
+def test_what_is_too_short_to_be_a_secret_is_refused(tmp_path):
     path = tmp_path / "proxy.secret"
     path.write_text("secret\n")
     path.chmod(0o600)
@@ -216,7 +214,7 @@ def test_what_is_too_short_to_be_a_secret_is_refused(tmp_path: Path) -> None:
         whole_files.read(path)
 
 
-def test_a_secret_that_is_missing_is_not_made_by_reading(tmp_path: Path) -> None:
+def test_a_secret_that_is_missing_is_not_made_by_reading(tmp_path):
     with pytest.raises(Unusable, match="cannot be read"):
         whole_files.read(tmp_path / "orders.key")
     assert not list(tmp_path.iterdir())

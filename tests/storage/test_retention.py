@@ -33,7 +33,7 @@ def delete(home: Home) -> list[str]:
     return [each.why for each in retention.delete(can_go, "Li", home, lambda *_: None)[1]]
 
 
-def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(fresh: Home) -> None:
+def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(fresh):
     unused, used = kept(fresh, small()), kept(fresh, small(1.0))
     results.save(calibrated(used), fresh)
     assert found(fresh) == {(unused.id, "recording"), (used.id, "columns")}
@@ -50,13 +50,13 @@ def test_a_recording_that_nothing_stands_on_goes_and_is_in_the_trail(fresh: Home
     assert kept(fresh, small()).id == unused.id  # it can come back
 
 
-def test_what_is_not_older_stays(fresh: Home) -> None:
+def test_what_is_not_older_stays(fresh):
     run = kept(fresh, small())
     assert retention.dispensable(run.imported_at.date(), fresh) == []
 
 
 @pytest.mark.parametrize("state", ["draft", "checked", "issued"])
-def test_runs_of_a_certificate_stay_as_found_and_as_left(fresh: Home, state: str) -> None:
+def test_runs_of_a_certificate_stay_as_found_and_as_left(fresh, state):
     left, before = kept(fresh, small()), kept(fresh, small(1.0))
     decision = certified(small(), calibrated(left), "A-1").decision
     as_found = {
@@ -71,7 +71,7 @@ def test_runs_of_a_certificate_stay_as_found_and_as_left(fresh: Home, state: str
     assert len(list(fresh.raw.iterdir())) == 2
 
 
-def test_an_unreadable_certificate_protects_every_run_of_its_unit(fresh: Home) -> None:
+def test_an_unreadable_certificate_protects_every_run_of_its_unit(fresh):
     run, sibling = kept(fresh, small()), kept(fresh, small(1.0))
     stranger = kept(fresh, small(2.0, serial="2"))
     keep(certified(small(), calibrated(run), "A-1"), fresh)
@@ -81,7 +81,7 @@ def test_an_unreadable_certificate_protects_every_run_of_its_unit(fresh: Home) -
     assert {run for run, what in found(fresh) if what == "recording"} == {stranger.id}
 
 
-def test_a_run_that_is_calibrated_meanwhile_stays(fresh: Home) -> None:
+def test_a_run_that_is_calibrated_meanwhile_stays(fresh):
     run = kept(fresh, small())
     can_go = retention.dispensable(TOMORROW, fresh)
     results.save(calibrated(run), fresh)
@@ -92,7 +92,7 @@ def test_a_run_that_is_calibrated_meanwhile_stays(fresh: Home) -> None:
     assert runs.load(run, fresh).digest == run.digest
 
 
-def test_columns_are_kept_where_the_raw_recording_is_damaged(fresh: Home) -> None:
+def test_columns_are_kept_where_the_raw_recording_is_damaged(fresh):
     run = kept(fresh, small())
     results.save(calibrated(run), fresh)
     raw = fresh.raw / f"{run.digest}.mcap"
@@ -105,9 +105,7 @@ def test_columns_are_kept_where_the_raw_recording_is_damaged(fresh: Home) -> Non
 
 
 @pytest.mark.real_time
-def test_a_bucket_is_pruned_and_what_it_holds_unknown_is_a_fault(
-    fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_bucket_is_pruned_and_what_it_holds_unknown_is_a_fault(fresh, monkeypatch):
     for name in ("AWS_ACCESS_KEY_ID", "AWS_SECRET_ACCESS_KEY"):
         monkeypatch.setenv(name, "of-a-test")
     store = Store(every=7)
@@ -128,7 +126,7 @@ def test_a_bucket_is_pruned_and_what_it_holds_unknown_is_a_fault(
     assert all("the catalogue does not know it" in why for why in faults.values())
 
 
-def test_a_draft_that_was_broken_off_is_named_and_goes(fresh: Home) -> None:
+def test_a_draft_that_was_broken_off_is_named_and_goes(fresh):
     recording = small()
     keep(certified(recording, calibrated(kept(fresh, recording)), "A-1"), fresh, b"%PDF")
     left = [

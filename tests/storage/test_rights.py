@@ -23,7 +23,7 @@ def rights(path: Path) -> int:
     return path.stat().st_mode & 0o777
 
 
-def test_a_new_home_is_its_owners_alone(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_new_home_is_its_owners_alone(tmp_path, monkeypatch):
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     tmp_path.chmod(0o755)
     home = Home(tmp_path / "home")
@@ -39,9 +39,7 @@ def test_a_new_home_is_its_owners_alone(tmp_path: Path, monkeypatch: pytest.Monk
     assert open_to_others == []
 
 
-def test_a_home_that_a_group_shares_on_purpose_is_shared_with_the_group_alone(
-    tmp_path: Path,
-) -> None:
+def test_a_home_that_a_group_shares_on_purpose_is_shared_with_the_group_alone(tmp_path):
     tmp_path.chmod(0o2770)
     with writing_to(tmp_path / "raw" / "a.mcap") as recording:
         recording.write_bytes(b"content")
@@ -53,7 +51,7 @@ def test_a_home_that_a_group_shares_on_purpose_is_shared_with_the_group_alone(
     assert rights(tmp_path / "locks/T1") == 0o660
 
 
-def test_a_home_of_before_keeps_the_rights_that_it_has(tmp_path: Path) -> None:
+def test_a_home_of_before_keeps_the_rights_that_it_has(tmp_path):
     tmp_path.chmod(0o755)
     (tmp_path / "laboratory.toml").touch(0o644)
     with writing_in_home(tmp_path / "laboratory.toml"):
@@ -65,7 +63,7 @@ def test_a_home_of_before_keeps_the_rights_that_it_has(tmp_path: Path) -> None:
     assert rights(tmp_path / "a.pdf") == 0o444
 
 
-def test_a_catalogue_is_not_for_everybody_even_in_an_open_home(tmp_path: Path) -> None:
+def test_a_catalogue_is_not_for_everybody_even_in_an_open_home(tmp_path):
     tmp_path.chmod(0o755)
     with database.changing(Home(tmp_path)):
         pass

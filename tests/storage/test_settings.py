@@ -1,6 +1,5 @@
 """Files that the laboratory writes: read as they are meant, refused with one sentence."""
 
-from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -9,7 +8,6 @@ from schemas.base import Unusable
 from schemas.certificate import Laboratory
 from schemas.tolerance import Tolerance
 from storage import settings
-from storage.home import Home
 
 TOLERANCE = """
 format = "mimu-tolerance/1"
@@ -28,7 +26,7 @@ def write(path: Path, text: str) -> Path:
     return path
 
 
-def test_tolerance_is_read_from_toml_and_from_json(tmp_path: Path) -> None:
+def test_tolerance_is_read_from_toml_and_from_json(tmp_path):
     tolerance = settings.read(write(tmp_path / "limits.toml", TOLERANCE), Tolerance)
     assert tolerance.limits[0].upper == 0.1
     json = write(tmp_path / "limits.json", "\ufeff" + tolerance.model_dump_json())
@@ -50,9 +48,7 @@ def test_tolerance_is_read_from_toml_and_from_json(tmp_path: Path) -> None:
         ("a.txt", lambda text: text, r"neither \.toml nor \.json"),
     ],
 )
-def test_bad_file_is_one_sentence_naming_file_field_and_value(
-    tmp_path: Path, name: str, change: Callable[[str], str], says: str
-) -> None:
+def test_bad_file_is_one_sentence_naming_file_field_and_value(tmp_path, name, change, says):
     path = write(tmp_path / name, change(TOLERANCE))
     with pytest.raises(Unusable, match=says) as caught:
         settings.read(path, Tolerance)
@@ -60,7 +56,7 @@ def test_bad_file_is_one_sentence_naming_file_field_and_value(
     assert "\n" not in str(caught.value)
 
 
-def test_file_that_is_missing_or_not_text_is_one_sentence(tmp_path: Path) -> None:
+def test_file_that_is_missing_or_not_text_is_one_sentence(tmp_path):
     with pytest.raises(Unusable, match=r"none\.toml cannot be read"):
         settings.read(tmp_path / "none.toml", Tolerance)
     (tmp_path / "bytes.toml").write_bytes(b"a = '\xff'")
@@ -68,7 +64,7 @@ def test_file_that_is_missing_or_not_text_is_one_sentence(tmp_path: Path) -> Non
         settings.read(tmp_path / "bytes.toml", Tolerance)
 
 
-def test_limits_of_a_model_are_found_whatever_the_file_is_called(fresh: Home) -> None:
+def test_limits_of_a_model_are_found_whatever_the_file_is_called(fresh):
     assert settings.tolerance_for("Maker", "U 1", fresh) is None
     write(fresh.tolerances / "any name.toml", TOLERANCE)
     write(fresh.tolerances / "other.toml", TOLERANCE.replace("U 1", "U 2"))
@@ -80,21 +76,21 @@ def test_limits_of_a_model_are_found_whatever_the_file_is_called(fresh: Home) ->
     assert settings.tolerance_for("Maker", "U 3", fresh) is None
 
 
-def test_two_files_for_one_model_are_refused(fresh: Home) -> None:
+def test_two_files_for_one_model_are_refused(fresh):
     for name in ("a.toml", "b.toml"):
         write(fresh.tolerances / name, TOLERANCE)
     with pytest.raises(Unusable, match=r"a\.toml and .*b\.toml both hold limits of Maker U 1"):
         settings.tolerance_for("Maker", "U 1", fresh)
 
 
-def test_file_that_cannot_be_read_is_not_passed_over(fresh: Home) -> None:
+def test_file_that_cannot_be_read_is_not_passed_over(fresh):
     write(fresh.tolerances / "a.toml", TOLERANCE)
     write(fresh.tolerances / "b.toml", "model = ")
     with pytest.raises(Unusable, match=r"b\.toml is not TOML"):
         settings.tolerance_for("Maker", "U 1", fresh)
 
 
-def test_a_laboratory_tells_its_own_limits_by_name(fresh: Home) -> None:
+def test_a_laboratory_tells_its_own_limits_by_name(fresh):
     path = fresh.path / "laboratory.toml"
     own = '[limits.rate]\nhalf_width = 2e-6\ndistribution = "normal"\nsource = "certificate 7"\n'
     laboratory = settings.read(write(path, f"party = {PARTY}\n{own}"), Laboratory)

@@ -4,7 +4,6 @@ import signal
 import subprocess
 import sys
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import pytest
 
@@ -24,7 +23,7 @@ def status(state: str, station: str = "T1") -> RunStatus:
     )  # fmt: skip
 
 
-def test_a_run_is_seen_as_dead_once_its_lock_is_free(tmp_path: Path) -> None:
+def test_a_run_is_seen_as_dead_once_its_lock_is_free(tmp_path):
     home = Home(tmp_path)
     with one_run_on("T1", home):
         write_status(status("measuring"), home)
@@ -32,7 +31,7 @@ def test_a_run_is_seen_as_dead_once_its_lock_is_free(tmp_path: Path) -> None:
     assert statuses(home) == [(status("measuring"), True)]
 
 
-def test_each_station_has_one_and_what_is_not_understood_is_left_out(tmp_path: Path) -> None:
+def test_each_station_has_one_and_what_is_not_understood_is_left_out(tmp_path):
     home = Home(tmp_path)
     for station in ("T1", "T2", "T2"):
         write_status(status("done", station), home)
@@ -40,7 +39,7 @@ def test_each_station_has_one_and_what_is_not_understood_is_left_out(tmp_path: P
     assert sorted(each.station for each, _ in statuses(home)) == ["T1", "T2"]
 
 
-def test_a_disk_that_refuses_costs_the_status_and_not_the_run(tmp_path: Path) -> None:
+def test_a_disk_that_refuses_costs_the_status_and_not_the_run(tmp_path):
     (tmp_path / "status").write_text("a file in the folder's place", encoding="utf-8")
     write_status(status("measuring"), Home(tmp_path))
     assert statuses(Home(tmp_path)) == []
@@ -90,7 +89,7 @@ HOLDER = (
 )
 
 
-def test_a_second_run_is_refused_until_the_first_has_ended_even_by_kill(tmp_path: Path) -> None:
+def test_a_second_run_is_refused_until_the_first_has_ended_even_by_kill(tmp_path):
     home = Home(tmp_path)
     with subprocess.Popen(
         [sys.executable, "-c", HOLDER, str(tmp_path)],
@@ -107,6 +106,6 @@ def test_a_second_run_is_refused_until_the_first_has_ended_even_by_kill(tmp_path
         pass
 
 
-def test_stations_side_by_side_do_not_wait_for_each_other(tmp_path: Path) -> None:
+def test_stations_side_by_side_do_not_wait_for_each_other(tmp_path):
     with one_run_on("T1", Home(tmp_path)), one_run_on("T2", Home(tmp_path)):
         assert len(list((tmp_path / "locks").iterdir())) == 2

@@ -19,7 +19,7 @@ from tests.storage.small import calibrated, certified, small
 
 
 @pytest.fixture
-def filled(fresh: Home) -> Run:
+def filled(fresh) -> Run:
     """A run in the fresh home, with a result and a certificate A-1."""
     recording = small()
     run = runs.add(recording, fresh)[0]
@@ -37,14 +37,14 @@ def only_fault(home: Home) -> StoreFault:
     return fault
 
 
-def test_store_as_it_was_left_has_no_fault(fresh: Home, filled: Run) -> None:
+def test_store_as_it_was_left_has_no_fault(fresh, filled):
     found = []
     checked, faults = verify(fresh, lambda done, total: found.append((done, total)))
     assert (checked, faults) == (10, [])
     assert found == [(n, 10) for n in range(1, 11)]
 
 
-def test_raw_recording_that_is_missing_is_found(fresh: Home, filled: Run) -> None:
+def test_raw_recording_that_is_missing_is_found(fresh, filled):
     path = fresh.raw / f"{filled.digest}.mcap"
     path.unlink()
     fault = only_fault(fresh)
@@ -53,7 +53,7 @@ def test_raw_recording_that_is_missing_is_found(fresh: Home, filled: Run) -> Non
 
 
 @pytest.mark.parametrize("where", [0.1, 0.5, 0.9])
-def test_flipped_byte_in_a_raw_recording_is_found(fresh: Home, filled: Run, where: float) -> None:
+def test_flipped_byte_in_a_raw_recording_is_found(fresh, filled, where):
     path = fresh.raw / f"{filled.digest}.mcap"
     content = bytearray(path.read_bytes())
     content[int(where * len(content))] ^= 1
@@ -61,9 +61,7 @@ def test_flipped_byte_in_a_raw_recording_is_found(fresh: Home, filled: Run, wher
     assert only_fault(fresh).what == str(path)
 
 
-def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
-    fresh: Home, filled: Run
-) -> None:
+def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(fresh, filled):
     folder = fresh.columns / filled.digest
     shutil.rmtree(folder)
     assert verify(fresh) == (9, [])
@@ -71,20 +69,20 @@ def test_columns_that_were_changed_are_found_and_missing_ones_are_no_fault(
     assert only_fault(fresh).what == str(folder)
 
 
-def test_result_that_cannot_be_read_is_found(fresh: Home, filled: Run) -> None:
+def test_result_that_cannot_be_read_is_found(fresh, filled):
     with database.changing(fresh) as connection:
         connection.execute(sql.update(tables.results).values(document="{}"))
     assert only_fault(fresh).what.startswith("result c")
 
 
-def test_result_that_speaks_of_another_recording_is_found(fresh: Home, filled: Run) -> None:
+def test_result_that_speaks_of_another_recording_is_found(fresh, filled):
     document = calibrated(filled, digest="0" * 64).model_dump_json()
     with database.changing(fresh) as connection:
         connection.execute(sql.update(tables.results).values(document=document))
     assert "calibrate run" in only_fault(fresh).why
 
 
-def test_result_whose_document_was_changed_is_found(fresh: Home, filled: Run) -> None:
+def test_result_whose_document_was_changed_is_found(fresh, filled):
     with database.changing(fresh) as connection:
         document = connection.scalars(sql.select(tables.results.c.document)).one()
         assert "0.25" in document
@@ -95,9 +93,7 @@ def test_result_whose_document_was_changed_is_found(fresh: Home, filled: Run) ->
     assert "changed after it was kept" in fault.why
 
 
-def test_certificate_that_prints_another_calibration_than_its_result_is_found(
-    fresh: Home, filled: Run
-) -> None:
+def test_certificate_that_prints_another_calibration_than_its_result_is_found(fresh, filled):
     other = results.save(calibrated(filled, 0.5), fresh)
     with database.changing(fresh) as connection:
         connection.execute(sql.update(tables.certificates).values(result=other))
@@ -106,7 +102,7 @@ def test_certificate_that_prints_another_calibration_than_its_result_is_found(
     assert other in fault.why
 
 
-def test_certificate_that_was_changed_or_lost_is_found(fresh: Home, filled: Run) -> None:
+def test_certificate_that_was_changed_or_lost_is_found(fresh, filled):
     pdf, record = (fresh.certificates / f"A-1{suffix}" for suffix in (".pdf", ".json"))
     replace(pdf, b"%PDF with another verdict")
     replace(record, record.read_bytes().replace(b'"pass"', b'"fail"'))
@@ -117,7 +113,7 @@ def test_certificate_that_was_changed_or_lost_is_found(fresh: Home, filled: Run)
     assert len(verify(fresh)[1]) == 3
 
 
-def test_files_that_the_catalogue_does_not_know_are_found(fresh: Home, filled: Run) -> None:
+def test_files_that_the_catalogue_does_not_know_are_found(fresh, filled):
     misplaced = [
         fresh.raw / "stray.mcap",
         fresh.columns / "stray",
@@ -131,7 +127,7 @@ def test_files_that_the_catalogue_does_not_know_are_found(fresh: Home, filled: R
     assert {fault.what for fault in verify(fresh)[1]} == {str(path) for path in misplaced}
 
 
-def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, filled: Run) -> None:
+def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh, filled):
     draft = fresh.raw / ".draft.part"
     draft.write_bytes(b"")
     assert verify(fresh)[1] == []
@@ -141,7 +137,7 @@ def test_draft_of_a_running_import_is_no_fault_until_it_is_old(fresh: Home, fill
     )
 
 
-def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Run) -> None:
+def test_store_whose_catalogue_was_lost_names_every_file(fresh, filled):
     for path in fresh.path.glob("catalog.sqlite*"):
         path.unlink()
     for path in fresh.certificates.iterdir():
@@ -149,9 +145,7 @@ def test_store_whose_catalogue_was_lost_names_every_file(fresh: Home, filled: Ru
     assert len(verify(fresh)[1]) == 5
 
 
-def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
-    fresh: Home, filled: Run
-) -> None:
+def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(fresh, filled):
     left = fresh.acquiring / "20261121T000000Z-0.mcap"
     left.parent.mkdir()
     write_mcap(small(), left)
@@ -162,20 +156,20 @@ def test_acquisition_that_was_broken_off_is_named_with_the_way_to_take_it_in(
     assert "mimucal import --salvage" in fault.why
 
 
-def test_a_trail_that_was_changed_is_found(fresh: Home, filled: Run) -> None:
+def test_a_trail_that_was_changed_is_found(fresh, filled):
     by_force(fresh, sql.update(tables.trail).values(person="another"))
     fault = only_fault(fresh)
     assert fault.what == "trail"
     assert "entry 1 was changed" in fault.why
 
 
-def test_a_certificate_that_left_the_register_is_found(fresh: Home, filled: Run) -> None:
+def test_a_certificate_that_left_the_register_is_found(fresh, filled):
     with database.changing(fresh) as connection:
         connection.execute(sql.delete(tables.certificates))
     assert "A-1 is issued in the trail and is not in the register" in only_fault(fresh).why
 
 
-def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run) -> None:
+def test_a_file_changed_together_with_its_hash_is_found(fresh, filled):
     pdf = fresh.certificates / "A-1.pdf"
     replace(pdf, b"%PDF with another verdict")
     forged = hashlib.sha256(pdf.read_bytes()).hexdigest()
@@ -184,15 +178,13 @@ def test_a_file_changed_together_with_its_hash_is_found(fresh: Home, filled: Run
     assert "A-1 has other files in the register than in the trail" in only_fault(fresh).why
 
 
-def test_a_certificate_that_the_trail_does_not_know_is_found(fresh: Home, filled: Run) -> None:
+def test_a_certificate_that_the_trail_does_not_know_is_found(fresh, filled):
     end = sql.update(tables.trail_end).values(number=0, hash=audit_trail.NOTHING_BEFORE)
     by_force(fresh, sql.delete(tables.trail), end)
     assert "A-1 is in the register, and the trail does not know it" in only_fault(fresh).why
 
 
-def test_a_raw_recording_that_is_cut_off_is_named_once_with_one_way_out(
-    fresh: Home, filled: Run
-) -> None:
+def test_a_raw_recording_that_is_cut_off_is_named_once_with_one_way_out(fresh, filled):
     path = fresh.raw / f"{filled.digest}.mcap"
     content = path.read_bytes()
     replace(path, content[: len(content) * 3 // 4])

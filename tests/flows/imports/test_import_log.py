@@ -1,9 +1,7 @@
 """A stranger's logger file: to values in two commands, and one true sentence for each mistake."""
 
-from collections.abc import Callable
 from functools import partial
 from importlib.metadata import version
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -16,7 +14,7 @@ from tests.storage.formats.logger.makers.loggers import (
     workbook,
 )
 from tests.tasks.readings.makers import mistakes
-from tests.tasks.readings.makers.bench import Bench, G, bench
+from tests.tasks.readings.makers.bench import G, bench
 
 RUN = {"dwell": 6.0, "rates": (40.0, 120.0)}
 SCALE = {"gyro_scale_factor": "gyro_scale", "accel_scale_factor": "accel_scale"}
@@ -34,9 +32,7 @@ Z = np.diag([1.0, 1.0, -1.0])
     ],
     ids=lambda one: one.__name__,
 )
-def test_ten_loggers_files_come_to_values_in_two_commands(
-    mimucal, tmp_path: Path, write: Callable[[Bench, Path], tuple[Path, Path]]
-) -> None:
+def test_ten_loggers_files_come_to_values_in_two_commands(mimucal, tmp_path, write):
     made = bench(LOGGERS.index(write), **RUN)
     log, lines = write(made, tmp_path)
     held = ("--commanded-rate", "1e-4")  # without it K has no U: nobody states its largest error
@@ -70,7 +66,7 @@ MISTAKES = {
         for number, one in enumerate(MISTAKES)
     ],
 )
-def test_each_mistake_gets_one_true_sentence(mimucal, tmp_path: Path, name: str) -> None:
+def test_each_mistake_gets_one_true_sentence(mimucal, tmp_path, name):
     make, part = MISTAKES[name]
     made = bench(31, **RUN)
     make(made)
@@ -86,7 +82,7 @@ def test_each_mistake_gets_one_true_sentence(mimucal, tmp_path: Path, name: str)
 
 
 @pytest.mark.rehearsal
-def test_half_of_the_positions_missing_is_one_sentence(mimucal, tmp_path: Path) -> None:
+def test_half_of_the_positions_missing_is_one_sentence(mimucal, tmp_path):
     made = bench(32, **RUN)
     made.labels = [one for one in made.labels if not str(one.get("up")).startswith("-")]
     log, lines = phyphox(made, tmp_path)
@@ -98,7 +94,7 @@ def test_half_of_the_positions_missing_is_one_sentence(mimucal, tmp_path: Path) 
     ]
 
 
-def test_nothing_is_kept_before_it_is_confirmed(mimucal, tmp_path: Path, home: Path) -> None:
+def test_nothing_is_kept_before_it_is_confirmed(mimucal, tmp_path, home):
     log, lines = phyphox(bench(33, **RUN), tmp_path)
     done = mimucal("import", log, "--protocol", lines)
     assert done.code == 0
@@ -109,7 +105,7 @@ def test_nothing_is_kept_before_it_is_confirmed(mimucal, tmp_path: Path, home: P
     assert list(home.rglob("*.svg"))
 
 
-def test_the_next_file_is_read_like_the_last(mimucal, tmp_path: Path) -> None:
+def test_the_next_file_is_read_like_the_last(mimucal, tmp_path):
     made = bench(34, **RUN)
     names = "a,b,c,d,e,f,g"
     values = np.column_stack([1e3 * made.t, np.degrees(made.gyro), made.accel])
@@ -134,9 +130,7 @@ def test_the_next_file_is_read_like_the_last(mimucal, tmp_path: Path) -> None:
     assert later["understood"]["gravity_m_s2"] == G
 
 
-def test_without_a_protocol_rests_are_found_and_rates_are_proposals(
-    mimucal, tmp_path: Path
-) -> None:
+def test_without_a_protocol_rests_are_found_and_rates_are_proposals(mimucal, tmp_path):
     log, _ = phyphox(bench(35, **RUN), tmp_path)
     (entry,) = mimucal("import", log, *GRAVITY, "--yes", "--json").json["runs"]
     found = entry["understood"]["segments"]
@@ -148,23 +142,21 @@ def test_without_a_protocol_rests_are_found_and_rates_are_proposals(
     assert abs(shown["items"]["accel_scale_factor"]["value"]["x"] - 1.0) < 0.05
 
 
-def test_a_table_is_no_recording_of_other_commands(mimucal, tmp_path: Path) -> None:
+def test_a_table_is_no_recording_of_other_commands(mimucal, tmp_path):
     log, _ = phyphox(bench(36, **RUN), tmp_path)
     done = mimucal("calibrate", log)
     assert done.code == 2
     assert "mimucal import" in done.err
 
 
-def test_version_names_program_release_and_digest(mimucal) -> None:
+def test_version_names_program_release_and_digest(mimucal):
     done = mimucal("--version")
     assert done.code == 0
     assert done.out.startswith(f"mimucal {version('mimucal')}+")
 
 
 @pytest.mark.rehearsal
-def test_the_right_unit_is_that_of_the_file_however_often_it_is_said(
-    mimucal, tmp_path: Path
-) -> None:
+def test_the_right_unit_is_that_of_the_file_however_often_it_is_said(mimucal, tmp_path):
     """What is kept is in rad/s already: a way out for the file must not be one for that."""
     made = bench(31, **RUN)
     mistakes.gyro_times(made, factor=np.pi / 180)

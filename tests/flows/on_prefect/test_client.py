@@ -2,7 +2,6 @@
 
 from collections.abc import Iterator
 from http.server import BaseHTTPRequestHandler, HTTPServer
-from pathlib import Path
 from threading import Thread
 
 import pytest
@@ -33,7 +32,7 @@ class Refusing(BaseHTTPRequestHandler):
 
 
 @pytest.fixture
-def url(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
+def url(monkeypatch) -> Iterator[str]:
     with HTTPServer(("127.0.0.1", 0), Refusing) as server:
         thread = Thread(target=server.serve_forever, daemon=True)
         thread.start()
@@ -46,15 +45,13 @@ def url(monkeypatch: pytest.MonkeyPatch) -> Iterator[str]:
         thread.join()
 
 
-def test_deploying_with_a_wrong_password_names_it_in_one_sentence(url: str, tmp_path: Path) -> None:
+def test_deploying_with_a_wrong_password_names_it_in_one_sentence(url, tmp_path):
     with pytest.raises(Unusable) as refused:
         deploy_line(Home(tmp_path), "Europe/Berlin")
     assert str(refused.value) == f"Prefect's server {url} {REFUSED}; then repeat the command"
 
 
-def test_an_order_that_waits_and_a_worker_say_that_the_password_is_wrong(
-    url: str, tmp_path: Path
-) -> None:
+def test_an_order_that_waits_and_a_worker_say_that_the_password_is_wrong(url, tmp_path):
     notice = queue.submit([], Home(tmp_path))
     assert notice is not None
     assert REFUSED in notice

@@ -1,15 +1,13 @@
 """What `mimucal deploy` and `mimucal station add` make on a real server, behind its password."""
 
-import asyncio
 import os
 from collections.abc import Iterator
-from datetime import datetime, timedelta
+from datetime import datetime
 from pathlib import Path
 from zoneinfo import ZoneInfo
 
 import httpx
 import pytest
-from prefect.server.schemas.schedules import CronSchedule
 from prefect.settings import PREFECT_API_AUTH_STRING, PREFECT_API_URL, temporary_settings
 
 from flows.on_prefect import flows
@@ -32,7 +30,7 @@ SCHEDULED_S = 60.0  # of a busy machine; the server looks every 2 s
 
 
 @pytest.fixture(scope="module")
-def line(prefect_database: Path, tmp_path_factory) -> Iterator[PrefectLine]:
+def line(prefect_database, tmp_path_factory) -> Iterator[PrefectLine]:
     """A server with the deployments of the line and of a station, made twice."""
     with prefect_line(tmp_path_factory.mktemp("deployed"), prefect_database) as line:
         file = line.folder / "station.json"
@@ -55,14 +53,14 @@ def deployment(name: str) -> dict:
     return get(f"/deployments/name/{name}")
 
 
-def test_every_active_schedule_has_runs_to_come(line) -> None:
+def test_every_active_schedule_has_runs_to_come(line):
     """With Prefect 3.8.8 and SQLAlchemy 2.1.9 none ever came."""
     for name in ("remind/remind", "submit/submit", "review/review", "produce/VIRTUAL-1"):
         runs = wait_for(lambda name=name: flow_runs(name, "SCHEDULED"), SCHEDULED_S)
         assert all(run["auto_scheduled"] for run in runs)
 
 
-def test_what_is_scheduled_keeps_the_hour_of_its_zone(line) -> None:
+def test_what_is_scheduled_keeps_the_hour_of_its_zone(line):
     runs = wait_for(lambda: flow_runs("produce/VIRTUAL-1", "SCHEDULED"), SCHEDULED_S)
     there = [datetime.fromisoformat(run["expected_start_time"]) for run in runs]
     local = [moment.astimezone(ZoneInfo(ZONE)) for moment in there]
@@ -70,25 +68,7 @@ def test_what_is_scheduled_keeps_the_hour_of_its_zone(line) -> None:
     assert {moment.weekday() for moment in local} <= set(range(5))
 
 
-@pytest.mark.parametrize(
-    ("zone", "change"), [("Europe/Berlin", "2027-03-28"), ("Europe/Berlin", "2027-10-31")]
-)
-def test_the_servers_schedule_keeps_the_hour_over_a_change_of_daylight_saving(
-    zone: str, change: str
-) -> None:
-    """It fails with whenever 0.10 on Python 3.11, of which every cron of Prefect 3.9.1 died."""
-    day = datetime.fromisoformat(change).replace(tzinfo=ZoneInfo(zone))
-    schedule = CronSchedule(cron="0 8 * * *", timezone=zone)
-    dates = asyncio.run(schedule.get_dates(4, day - timedelta(days=2)))
-    local = [each.astimezone(ZoneInfo(zone)) for each in dates]
-    assert [each.hour for each in local] == [8, 8, 8, 8]
-    assert [each.date() for each in local] == [
-        (day + timedelta(days=number)).date() for number in (-2, -1, 0, 1)
-    ]
-    assert local[0].utcoffset() == local[1].utcoffset() != local[2].utcoffset()
-
-
-def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line) -> None:
+def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line):
     assert get("/work_pools/station-VIRTUAL-1")["concurrency_limit"] == 1
     assert get("/work_pools/line")["concurrency_limit"] is None
     made = deployment("produce/VIRTUAL-1")
@@ -101,7 +81,7 @@ def test_a_station_has_a_pool_of_one_run_at_a_time_and_the_line_another(line) ->
     assert "mimucal station work VIRTUAL-1" in unit.read_text(encoding="utf-8")
 
 
-def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> None:
+def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch):
     for each in post("/deployments/filter", {}):
         assert each["path"] is None
         assert each["pull_steps"] in (None, [])
@@ -111,7 +91,7 @@ def test_no_deployment_names_the_checkout_or_a_password(line, monkeypatch) -> No
     assert "secret" not in str(environment(Home(line.home)))
 
 
-def test_each_deployment_is_a_flow_that_takes_its_parameters(line) -> None:
+def test_each_deployment_is_a_flow_that_takes_its_parameters(line):
     for each in OF_THE_LINE:
         made = deployment(f"{each.flow}/{each.flow}")
         flow = getattr(flows, each.flow)
@@ -121,20 +101,20 @@ def test_each_deployment_is_a_flow_that_takes_its_parameters(line) -> None:
         assert (made["global_concurrency_limit"] is not None) == each.alone
 
 
-def test_late_crashed_and_silent_are_watched_once_each(line) -> None:
+def test_late_crashed_and_silent_are_watched_once_each(line):
     names = [each["name"] for each in post("/automations/filter", {})]
     assert sorted(names) == sorted(set(names))
     for what in ("late", "crashed", "silent", "worker", "invalid", "reminder"):
         assert any(what in name for name in names)
 
 
-def test_nobody_without_the_password_reaches_the_server(line) -> None:
+def test_nobody_without_the_password_reaches_the_server(line):
     for path in ("/deployments/filter", "/flow_runs/filter"):
         answer = httpx.post(f"{line.url}{path}", json={}, timeout=30)
         assert answer.status_code == 401
 
 
-def test_the_doctor_sees_schedules_workers_leases_and_the_door(line) -> None:
+def test_the_doctor_sees_schedules_workers_leases_and_the_door(line):
     wait_for(lambda: flow_runs("produce/VIRTUAL-1", "SCHEDULED"), SCHEDULED_S)
     found = {each.what: each for each in examine_prefect()}
     for what in ("Prefect", "Prefect's door", "Prefect's leases", "Prefect's schedules"):
@@ -145,7 +125,7 @@ def test_the_doctor_sees_schedules_workers_leases_and_the_door(line) -> None:
     assert workers.remedy is not None
 
 
-def test_a_station_that_is_removed_leaves_nothing_on_the_server(line) -> None:
+def test_a_station_that_is_removed_leaves_nothing_on_the_server(line):
     with temporary_settings({PREFECT_API_URL: line.url, PREFECT_API_AUTH_STRING: PASSWORD}):
         deploy_station("B-2", "b.json", Home(line.home), None, ZONE)
         assert deployment("produce/B-2")["schedules"] == []

@@ -37,7 +37,7 @@ CLAIM += "orders.claim(sys.argv[1], home())"
 
 
 @pytest.fixture
-def station_file(tmp_path: Path) -> Path:
+def station_file(tmp_path) -> Path:
     file = tmp_path / "station.json"
     station = config.virtual_station(1, False).model_copy(update={"id": "LAB-1"})
     made = config.station_file(station, 1.0, "127.0.0.1", 5020, 5021)
@@ -46,7 +46,7 @@ def station_file(tmp_path: Path) -> Path:
 
 
 @pytest.fixture
-def stopped(monkeypatch: pytest.MonkeyPatch) -> list[tuple[str, str]]:
+def stopped(monkeypatch) -> list[tuple[str, str]]:
     calls: list[tuple[str, str]] = []
     monkeypatch.setattr(
         "flows.on_prefect.flows.stop_station",
@@ -62,7 +62,7 @@ def crash(home: Home, file: Path) -> None:
 
 
 @pytest.fixture
-def left(tmp_path: Path, station_file: Path) -> Home:
+def left(tmp_path, station_file) -> Home:
     """A home in which a run of the station began, and has not said how it ended."""
     home, now = Home(tmp_path / "home"), datetime.now(UTC)
     write_status(
@@ -76,24 +76,18 @@ def left(tmp_path: Path, station_file: Path) -> Home:
     return home
 
 
-def test_a_crash_stops_the_table_of_a_run_whose_process_is_dead(
-    left: Home, station_file: Path, stopped: list[tuple[str, str]]
-) -> None:
+def test_a_crash_stops_the_table_of_a_run_whose_process_is_dead(left, station_file, stopped):
     crash(left, station_file)
     assert stopped == [("LAB-1", "Prefect (Crashed: its worker is gone)")]
 
 
-def test_a_crash_leaves_another_run_of_the_station_alone(
-    left: Home, station_file: Path, stopped: list[tuple[str, str]]
-) -> None:
+def test_a_crash_leaves_another_run_of_the_station_alone(left, station_file, stopped):
     with one_run_on("LAB-1", left):
         crash(left, station_file)
     assert stopped == []
 
 
-def test_a_crash_of_an_order_whose_station_is_not_known_does_nothing(
-    left: Home, stopped: list[tuple[str, str]]
-) -> None:
+def test_a_crash_of_an_order_whose_station_is_not_known_does_nothing(left, stopped):
     crash(left, Path("nowhere.json"))
     assert stopped == []
 
@@ -107,9 +101,7 @@ def begun_and_died(number: str, home: Home) -> None:
 
 
 @pytest.mark.real_time
-def test_prefect_finds_our_hook_by_the_import_path_that_it_gives_it(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_prefect_finds_our_hook_by_the_import_path_that_it_gives_it(tmp_path, monkeypatch):
     home = Home(tmp_path / "home")
     add_station(home.path)
     monkeypatch.setattr("flows.orders.production.start_worker", lambda *_: None)
@@ -167,7 +159,7 @@ class Server:
 
 
 @pytest.fixture
-def carried_out(monkeypatch: pytest.MonkeyPatch):
+def carried_out(monkeypatch):
     """Starts a run of those that are due; gives what its body did."""
 
     def start(own: FlowRun, server: Server) -> object:
@@ -183,7 +175,7 @@ def carried_out(monkeypatch: pytest.MonkeyPatch):
     return start
 
 
-def test_the_first_that_starts_is_carried_out_and_cancels_what_waits(carried_out) -> None:
+def test_the_first_that_starts_is_carried_out_and_cancels_what_waits(carried_out):
     """Else a schedule that repeats faster than its runs begin is never carried out."""
     own, *others = (run(minute) for minute in (0, 10, 20, 30))
     server = Server(own, *others)
@@ -191,21 +183,21 @@ def test_the_first_that_starts_is_carried_out_and_cancels_what_waits(carried_out
     assert server.cancelled == [each.id for each in others]
 
 
-def test_the_newest_is_carried_out_and_cancels_what_still_waits(carried_out) -> None:
+def test_the_newest_is_carried_out_and_cancels_what_still_waits(carried_out):
     early, own = run(0), run(30)
     server = Server(early, own)
     assert carried_out(own, server) == "done it"
     assert server.cancelled == [early.id]
 
 
-def test_a_newer_one_that_another_worker_took_is_left_to_it(carried_out) -> None:
+def test_a_newer_one_that_another_worker_took_is_left_to_it(carried_out):
     own, taken = run(0), run(10, StateType.RUNNING)
     server = Server(own, taken)
     assert carried_out(own, server).type is StateType.CANCELLED
     assert server.cancelled == []
 
 
-def test_what_somebody_ordered_is_neither_cancelled_nor_counted(carried_out) -> None:
+def test_what_somebody_ordered_is_neither_cancelled_nor_counted(carried_out):
     own, ordered = run(0), run(10, auto=False)
     server = Server(own, ordered)
     assert carried_out(own, server) == "done it"
@@ -216,9 +208,7 @@ def test_what_somebody_ordered_is_neither_cancelled_nor_counted(carried_out) -> 
 # What flow runs are called.
 
 
-def test_a_run_of_the_queue_is_called_by_the_unit_and_procedure_of_its_order(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_run_of_the_queue_is_called_by_the_unit_and_procedure_of_its_order(tmp_path, monkeypatch):
     """Not by the unit that the station file names, which was mounted when it was written."""
     made = ProductionOrder(
         number="1", station="A", units=(Unit(manufacturer="M", model="U", serial="S7"),),
@@ -234,9 +224,7 @@ def test_a_run_of_the_queue_is_called_by_the_unit_and_procedure_of_its_order(
 
 
 @pytest.mark.parametrize(("answers", "pause_s"), [(True, PROGRESS_EVERY_S), (False, UNANSWERED_S)])
-def test_an_update_comes_after_a_pause_and_at_the_end(
-    monkeypatch: pytest.MonkeyPatch, answers: bool, pause_s: float
-) -> None:
+def test_an_update_comes_after_a_pause_and_at_the_end(monkeypatch, answers, pause_s):
     updates: list[int] = []
     now = [0.0]
     monkeypatch.setattr(artifacts, "show", lambda update: updates.append(1) or answers)

@@ -203,32 +203,6 @@ def test_stage_is_tried_again_when_another_process_held_the_catalogue(line) -> N
 
 
 @pytest.mark.rehearsal
-def test_acquire_prints_the_run_and_the_run_can_be_calibrated(line, mimucal, monkeypatch) -> None:
-    with running(VirtualStation(unit=draw_unit(7)), speed=30.0) as station:
-        file = line.folder / "other.json"
-        file.write_text(station.model_dump_json(), encoding="utf-8")
-        order = ("acquire", file, "--procedure", line.procedure)
-        acquired, _ = command(line.folder / "other", line.report["server"], *order)
-    assert acquired["lost_samples"] == 0
-    monkeypatch.setenv("MIMUCAL_HOME", str(line.folder / "other"))
-    calibrated = mimucal("calibrate", acquired["run"], "--json").json
-    scale = calibrated["items"]["gyro_scale_factor"]["value"]
-    assert scale["z"] == pytest.approx(draw_unit(7).gyro.scale[2][2], abs=2e-4)
-    assert scale["x"] is None
-
-
-@pytest.mark.rehearsal
-def test_processes_of_a_reprocessing_make_the_same_results(line, home, ideal_run) -> None:
-    store = two_calibrated(home, ideal_run)
-    first, second = newest(store)
-    plant(first, store, "gyro_scale_factor", "x", 3.0)
-    plant(second, store, "gyro_scale_factor", "y", 2.0)
-    report, _ = command(home, line.report["server"], "reprocess", "--workers", "2")
-    moved = {(each["run"], each["element"]) for each in report["changed"]}
-    assert moved == {(first.run, "x"), (second.run, "y")}
-    assert newest(store) == [first, second]
-
-
 def test_a_server_that_is_not_there_costs_the_record_and_nothing_else(home, ideal_run) -> None:
     store = two_calibrated(home, ideal_run)
     first, _ = newest(store)

@@ -22,9 +22,7 @@ from flows.on_prefect import server
 from schemas.base import Unusable
 
 
-def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(tmp_path, monkeypatch):
     for name in ("PREFECT_API_URL", "PREFECT_HOME"):  # what is set meanwhile goes with the test
         monkeypatch.setenv(name, str(tmp_path))
     monkeypatch.setattr(server, "serve", lambda listener: sys.exit("no room"))
@@ -33,7 +31,7 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(
     assert "no room" in (tmp_path / server.LOG).read_text()
 
 
-def test_only_its_command_ends_a_server(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_its_command_ends_a_server(tmp_path, monkeypatch):
     def serve(listener: socket.socket) -> None:
         print("serves")
         time.sleep(600)
@@ -67,7 +65,7 @@ time.sleep(600)
 
 
 @pytest.mark.skipif(sys.platform != "linux", reason="the kernel of Linux ends it")
-def test_a_server_ends_with_a_command_that_is_killed(tmp_path: Path) -> None:
+def test_a_server_ends_with_a_command_that_is_killed(tmp_path):
     log = tmp_path / server.LOG
     with subprocess.Popen([sys.executable, "-c", SERVING, log]) as command:
         while not (log.exists() and log.read_text().endswith("\n")):
@@ -79,14 +77,14 @@ def test_a_server_ends_with_a_command_that_is_killed(tmp_path: Path) -> None:
         time.sleep(0.01)
 
 
-def test_a_setting_of_prefect_that_it_refuses_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_setting_of_prefect_that_it_refuses_is_named(monkeypatch):
     monkeypatch.setenv("PREFECT_CLIENT_MAX_RETRIES", "many")
     monkeypatch.setattr(prefect.settings, "get_current_settings", prefect.settings.Settings)
     with pytest.raises(Unusable, match=r"max_retries is 'many'.*PREFECT_"):
         server._import_prefect()
 
 
-def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path: Path) -> None:
+def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path):
     (tmp_path / server.LOG).mkdir()  # no file can be opened there, as on a read-only disk
     with pytest.raises(Unusable, match=r"cannot be written .*MIMUCAL_HOME"):
         server._start(tmp_path)
@@ -119,15 +117,15 @@ def asked(app, monkeypatch: pytest.MonkeyPatch) -> int:
         return asyncio.run(ask())
 
 
-def test_a_busy_server_is_asked_again_until_it_answers(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_busy_server_is_asked_again_until_it_answers(monkeypatch):
     busy_at_first = answering(chain(repeat(503, 20), repeat(200)), repeat(0.0))
     assert asked(busy_at_first, monkeypatch) == 200
 
 
-def test_a_server_that_stays_busy_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_server_that_stays_busy_is_given_up(monkeypatch):
     always_busy = answering(repeat(503), chain([0.0, 1.0, 599.0], repeat(601.0)))
     assert asked(always_busy, monkeypatch) == 503
 
 
-def test_an_error_is_not_asked_again(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_an_error_is_not_asked_again(monkeypatch):
     assert asked(answering(chain([500], repeat(200)), repeat(0.0)), monkeypatch) == 500

@@ -2,6 +2,7 @@
 
 import json
 import os
+import shutil
 import signal
 import subprocess
 import sys
@@ -46,14 +47,18 @@ carry_out(ProduceOrder(station="LINE-1", number="1"), work)
 
 
 @pytest.fixture
-def line(home: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+def line(home, monkeypatch) -> Home:
     """A home with a station and three orders for it, which nobody takes yet."""
+    with_orders(home, monkeypatch)
+    return Home(home)
+
+
+def with_orders(home: Path, patch: pytest.MonkeyPatch) -> None:
     add_station(home)
     add_station(home, "LINE-2")
-    no_workers(monkeypatch)
+    no_workers(patch)
     for number in "123":
         give(request(number), "Li", Home(home))
-    return Home(home)
 
 
 def request(number: str | None, serial: str | None = None) -> OrderRequest:
@@ -80,7 +85,7 @@ class Work:
 
 
 @pytest.fixture
-def worked(monkeypatch: pytest.MonkeyPatch) -> Callable[[Work], Work]:
+def worked(monkeypatch) -> Callable[[Work], Work]:
     def use(work: Work) -> Work:
         monkeypatch.setattr(production, "produce", lambda order: carry_out(order, work))
         return work
@@ -95,7 +100,7 @@ def states(home: Home) -> list[str]:
     return [each.state for each in orders.listed(home)]
 
 
-def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line, worked) -> None:
+def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line, worked):
     work, reported = worked(Work()), []
     assert work_at("LINE-1", line, reported.append)
     assert work.serials == ["S1", "S2", "S3"]
@@ -106,14 +111,14 @@ def test_a_station_takes_its_orders_in_their_sequence_with_unit_and_person(line,
     assert len(work.done) == 3
 
 
-def test_an_order_that_fails_says_why_and_keeps_no_other_from_being_taken(line, worked) -> None:
+def test_an_order_that_fails_says_why_and_keeps_no_other_from_being_taken(line, worked):
     worked(Work(S1=Unusable("mount S1, or order S9"), S2=BrokenOff("unit S2 was given up")))
     assert work_at("LINE-1", line, ignore)
     assert states(line) == ["failed", "failed", "done"]
     assert orders.find("1", line).fault == "mount S1, or order S9"
 
 
-def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked) -> None:
+def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked):
     stop = BrokenOff("stopped by the operator")
     stop.__cause__ = KeyboardInterrupt()
     work = worked(Work(S1=stop))
@@ -123,7 +128,7 @@ def test_after_an_operators_stop_nothing_begins_to_turn_by_itself(line, worked) 
     assert work.serials == ["S1"]
 
 
-def test_an_order_of_another_station_is_not_carried_out(line) -> None:
+def test_an_order_of_another_station_is_not_carried_out(line):
     work = Work()
     with pytest.raises(Unusable, match="order 1 is for station LINE-1, and this is LINE-2"):
         carry_out(ProduceOrder(station="LINE-2", number="1"), work)
@@ -131,7 +136,7 @@ def test_an_order_of_another_station_is_not_carried_out(line) -> None:
     assert states(line) == ["waiting"] * 3
 
 
-def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
+def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line):
     work = Work()
     orders.cancel("2", "Li", line)
     for number in ("1", "1", "2"):
@@ -140,7 +145,7 @@ def test_nothing_is_done_of_an_order_that_is_done_or_cancelled(line) -> None:
     assert states(line) == ["done", "cancelled", "waiting"]
 
 
-def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line) -> None:
+def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(line):
     work = Work()
     for number in "123":
         orders.cancel(number, "Li", line)
@@ -151,8 +156,8 @@ def test_a_schedule_makes_an_order_of_its_own_for_the_unit_of_the_station_file(l
 
 
 def test_an_order_whose_unit_is_mounted_does_not_wait_behind_one_whose_unit_is_not(
-    line: Home, worked, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    line, worked, monkeypatch
+):
     mounted = ["S2"]
 
     def confirm(unit: Unit, _: object) -> None:
@@ -172,7 +177,7 @@ def test_an_order_whose_unit_is_mounted_does_not_wait_behind_one_whose_unit_is_n
     assert states(line) == ["done", "done", "failed"]
 
 
-def test_a_schedule_takes_the_queue(line: Home) -> None:
+def test_a_schedule_takes_the_queue(line):
     work = Work()
     carry_out(ProduceOrder(station="LINE-1"), work)
     assert work.serials == ["S1"]
@@ -180,8 +185,8 @@ def test_a_schedule_takes_the_queue(line: Home) -> None:
 
 
 def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
-    line: Home, worked, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    line, worked, monkeypatch
+):
     orders.claim("1", line)
     orders.note("1", line, runs=("r1",))
     orders.finish("1", "failed", line, "run r1 is invalid: the unit was touched")
@@ -199,7 +204,7 @@ def test_after_an_invalid_run_an_order_is_measured_again_under_its_number(
     ]  # fmt: skip
 
 
-def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> None:
+def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch):
     waited = []
 
     def end(_: float) -> None:
@@ -215,8 +220,8 @@ def test_an_order_waits_for_a_run_that_was_begun_by_hand(line, monkeypatch) -> N
 
 
 def test_after_a_stop_the_next_order_waits_until_somebody_releases_the_station(
-    line: Home, monkeypatch: pytest.MonkeyPatch, mimucal
-) -> None:
+    line, monkeypatch, mimucal
+):
     waited = []
 
     def see(_: float) -> None:
@@ -231,29 +236,38 @@ def test_after_a_stop_the_next_order_waits_until_somebody_releases_the_station(
     assert "not locked out" in mimucal("station", "release", "LINE-1").out
 
 
-def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, worked) -> None:
+def test_one_worker_takes_the_orders_of_a_station_and_another_leaves_them(line, worked):
     work = worked(Work())
     with only_worker_of("LINE-1", line):
         assert not work_at("LINE-1", line, ignore)
     assert work.done == []
 
 
+@pytest.fixture(scope="module")
+def left_in_the_middle(tmp_path_factory) -> Home:
+    """A home whose process was killed in the middle of order 1."""
+    home = Home(tmp_path_factory.mktemp("killed") / "home")
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setenv("MIMUCAL_HOME", str(home.path))
+        with_orders(home.path, patch)
+        command = [sys.executable, "-c", HOLD]
+        with POPEN(command, stdout=subprocess.PIPE, text=True, env=os.environ) as process:
+            assert process.stdout is not None
+            assert process.stdout.readline() == "begun\n"
+            os.kill(process.pid, signal.SIGKILL)
+    return home
+
+
 @pytest.fixture
-def killed(line: Home) -> Home:
-    """The home after a process was killed in the middle of order 1."""
-    process = POPEN(
-        [sys.executable, "-c", HOLD], stdout=subprocess.PIPE, text=True,
-        env=os.environ | {"MIMUCAL_HOME": str(line.path)},
-    )  # fmt: skip
-    with process:
-        assert process.stdout is not None
-        assert process.stdout.readline() == "begun\n"
-        os.kill(process.pid, signal.SIGKILL)
-    return line
+def killed(left_in_the_middle, home, monkeypatch) -> Home:
+    """A copy of it."""
+    no_workers(monkeypatch)
+    shutil.copytree(left_in_the_middle.path, home)
+    return Home(home)
 
 
 @pytest.mark.real_time
-def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed, worked) -> None:
+def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed, worked):
     assert states(killed)[0] == "running"
     work = worked(Work())
     assert work_at("LINE-1", killed, ignore)
@@ -265,7 +279,7 @@ def test_an_order_whose_process_was_killed_is_carried_out_by_the_next_one(killed
 
 @pytest.mark.real_time
 @pytest.mark.parametrize("seen_by", ["submit", "retry", "another"])
-def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by) -> None:
+def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, seen_by):
     with one_order_at("LINE-1", killed):
         assert requeue_orphans(killed) == []  # somebody has the orders of the station
     if seen_by == "submit":
@@ -278,7 +292,7 @@ def test_an_order_whose_process_died_is_seen_as_such_by_whoever_looks(killed, se
     assert orders.find("1", killed).is_interrupted
 
 
-def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
+def test_an_order_whose_process_lives_is_left_to_it(line):
     orders.claim("1", line)
     assert requeue_orphans(line) == []
     assert states(line)[0] == "running"
@@ -286,7 +300,7 @@ def test_an_order_whose_process_lives_is_left_to_it(line) -> None:
 
 def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_on(
     line, worked, monkeypatch
-) -> None:
+):
     orders.claim("1", line)
     orders.note("1", line, runs=("r1",))
     orders.claim("2", line)
@@ -308,7 +322,7 @@ def test_what_was_measured_is_not_measured_again_and_what_was_interrupted_goes_o
     assert seen == [("1", ("r1",), False), ("2", (), True), ("3", ("r3",), False)]
 
 
-def test_a_client_s_order_and_a_deployment_s_files_go_together(line) -> None:
+def test_a_client_s_order_and_a_deployment_s_files_go_together(line):
     work = Work()
     order = ProduceOrder(station="LINE-1", number="1", laboratory="lab.toml", client_order="c.toml")
     carry_out(order, work)

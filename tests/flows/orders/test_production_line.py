@@ -3,7 +3,6 @@
 import socket
 import time
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 
@@ -14,7 +13,7 @@ from storage.home import Home
 from tasks.station.virtual.config import MOUNT_REQUEST, VirtualStation, draw_unit
 from tests.flows.on_prefect.test_prefect_flows import SHORT
 from tests.flows.order_homes import no_workers
-from tests.tasks.station.in_thread import serving
+from tests.tasks.station.over_sockets import serving
 
 pytestmark = [pytest.mark.real_time, pytest.mark.rehearsal]  # of test_production and test_identity
 
@@ -36,8 +35,8 @@ def hindered(number: str, home: Home) -> str:
 
 
 def test_the_queue_waits_for_the_unit_that_is_ordered_or_for_the_orders_cancellation(
-    home: Path, monkeypatch: pytest.MonkeyPatch, unprinted
-) -> None:
+    home, monkeypatch, unprinted
+):
     no_workers(monkeypatch)
     place, hindrances = Home(home), {}
     (home / "stations").mkdir(parents=True)

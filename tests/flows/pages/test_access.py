@@ -2,7 +2,6 @@
 
 import logging
 from collections.abc import Callable
-from pathlib import Path
 
 import httpx
 import pytest
@@ -24,13 +23,13 @@ PAGE = {"Accept": "text/html"}
 
 
 @pytest.fixture
-def home(tmp_path: Path) -> Home:
+def home(tmp_path) -> Home:
     users.add("Wang Li", "operator", login.hashed(PASSWORD), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 
 @pytest.fixture
-def client(home: Home) -> FlaskClient:
+def client(home) -> FlaskClient:
     return make_app(home).server.test_client()
 
 
@@ -44,12 +43,12 @@ def log_in(client: FlaskClient, password: str = PASSWORD, name: str = "Wang Li")
     return client.post("/login", data=form).status_code
 
 
-def test_a_home_without_users_is_looked_at_by_everybody_who_may_do_nothing(tmp_path: Path) -> None:
+def test_a_home_without_users_is_looked_at_by_everybody_who_may_do_nothing(tmp_path):
     assert make_app(Home(tmp_path)).server.test_client().get("/api/v1/runs").status_code == 200
     assert not any(Visitor(role=role).may(action) for role in ROLES for action in MAY)
 
 
-def test_nobody_sees_anything_without_a_name(client: FlaskClient) -> None:
+def test_nobody_sees_anything_without_a_name(client):
     assert client.get("/runs", headers=PAGE).headers["Location"] == "/login?next=/runs"
     for path in ("/api/v1/runs", "/api/v1/openapi.json", "/_dash-layout", "/_dash-dependencies"):
         assert client.get(path).status_code == 401, path
@@ -57,9 +56,7 @@ def test_nobody_sees_anything_without_a_name(client: FlaskClient) -> None:
     assert client.post("/_dash-update-component", json={}).status_code in (400, 401)
 
 
-def test_a_session_begins_with_the_password_and_ends_with_the_user(
-    client: FlaskClient, home: Home
-) -> None:
+def test_a_session_begins_with_the_password_and_ends_with_the_user(client, home):
     assert log_in(client, "wrong") == 403
     assert log_in(client) == 302
     assert client.get("/api/v1/runs").status_code == 200
@@ -71,7 +68,7 @@ def test_a_session_begins_with_the_password_and_ends_with_the_user(
     assert client.get("/api/v1/runs").status_code == 401
 
 
-def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: Home) -> None:
+def test_a_session_of_a_user_who_was_removed_is_none(client, home):
     log_in(client)
     users.remove("Wang Li", home, "Admin")
     users.add("Zhao Min", "viewer", login.hashed(PASSWORD), home, "Admin")
@@ -82,7 +79,7 @@ def test_a_session_of_a_user_who_was_removed_is_none(client: FlaskClient, home: 
     assert not any(one in entry.details for entry in audit_trail.entries(home) for one in hashes)
 
 
-def test_a_session_outlives_the_process_that_serves(client: FlaskClient, home: Home) -> None:
+def test_a_session_outlives_the_process_that_serves(client, home):
     log_in(client)
     kept = client.get_cookie(session_cookie(home))
     assert kept is not None
@@ -92,15 +89,13 @@ def test_a_session_outlives_the_process_that_serves(client: FlaskClient, home: H
     assert (home.path / "pages.key").stat().st_mode & 0o077 == 0
 
 
-def test_two_homes_on_one_host_keep_their_sessions_apart(
-    client: FlaskClient, home: Home, tmp_path: Path
-) -> None:
+def test_two_homes_on_one_host_keep_their_sessions_apart(client, home, tmp_path):
     log_in(client)
     assert client.get_cookie(session_cookie(home)) is not None
     assert client.get_cookie(session_cookie(Home(tmp_path / "other"))) is None
 
 
-def test_a_form_without_its_token_is_refused(client: FlaskClient) -> None:
+def test_a_form_without_its_token_is_refused(client):
     form = {"name": "Wang Li", "password": PASSWORD}
     assert client.post("/login", data=form).status_code == 400
     log_in(client)
@@ -108,9 +103,7 @@ def test_a_form_without_its_token_is_refused(client: FlaskClient) -> None:
     assert client.post("/_dash-update-component", json={}).status_code == 400
 
 
-def test_a_session_that_was_left_is_over_for_every_copy_of_its_cookie(
-    client: FlaskClient, home: Home
-) -> None:
+def test_a_session_that_was_left_is_over_for_every_copy_of_its_cookie(client, home):
     log_in(client)
     kept = client.get_cookie(session_cookie(home))
     assert kept is not None
@@ -122,7 +115,7 @@ def test_a_session_that_was_left_is_over_for_every_copy_of_its_cookie(
     assert actions[-2:] == [("Wang Li", "log in"), ("Wang Li", "log out")]
 
 
-def test_a_login_leads_to_a_page_of_ours_and_nowhere_else(client: FlaskClient) -> None:
+def test_a_login_leads_to_a_page_of_ours_and_nowhere_else(client):
     for wanted, leads in (
         ("/runs", "/runs"), ("//line", "/"), ("///line", "/"), ("line", "/"), ("/\\line", "/"),
         ("https://elsewhere.example/line", "/"), ("/line?next=//line", "/"), ("/line\r\nX: y", "/"),
@@ -132,9 +125,7 @@ def test_a_login_leads_to_a_page_of_ours_and_nowhere_else(client: FlaskClient) -
         assert entered.headers["Location"] == leads, wanted
 
 
-def test_tries_that_fail_shut_the_gate_for_the_name_at_the_address_alone(
-    client: FlaskClient, home: Home
-) -> None:
+def test_tries_that_fail_shut_the_gate_for_the_name_at_the_address_alone(client, home):
     users.add("Zhao Min", "viewer", login.hashed(PASSWORD), home, "Admin")
     codes = [log_in(client, "wrong") for _ in range(6)]
     assert codes == [403] * 5 + [429]
@@ -151,16 +142,12 @@ def test_tries_that_fail_shut_the_gate_for_the_name_at_the_address_alone(
     assert '"address":"127.0.0.1"' in refusals[0].details
 
 
-def test_a_name_that_nobody_has_is_shut_like_any_other_and_not_kept(
-    client: FlaskClient, home: Home
-) -> None:
+def test_a_name_that_nobody_has_is_shut_like_any_other_and_not_kept(client, home):
     assert [log_in(client, "wrong", "hunter2 (a password)") for _ in range(6)] == [403] * 5 + [429]
     assert not any("hunter2" in entry.model_dump_json() for entry in audit_trail.entries(home))
 
 
-def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accounts(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accounts(monkeypatch):
     monkeypatch.setattr(login, "DUMMY_HASH", "none")  # takes no time, on purpose
     gate = login.LoginLimiter()
     user = User(name="W", role="viewer", password="none", added_at="2026-11-27T00:00:00Z")
@@ -173,9 +160,7 @@ def test_many_addresses_do_not_try_one_account_forever_nor_one_address_all_accou
     assert not gate.is_locked("anybody", "10.0.2.3")
 
 
-def test_every_request_that_is_refused_is_a_line_of_the_log(
-    client: FlaskClient, caplog: pytest.LogCaptureFixture
-) -> None:
+def test_every_request_that_is_refused_is_a_line_of_the_log(client, caplog):
     with caplog.at_level(logging.INFO, "mimucal.access"):
         client.get("/api/v1/runs")
         client.get("/line", headers=PAGE)
@@ -186,7 +171,7 @@ def test_every_request_that_is_refused_is_a_line_of_the_log(
     assert all("127.0.0.1" in line for line in lines)
 
 
-def test_a_script_says_its_name_with_each_request(client: FlaskClient) -> None:
+def test_a_script_says_its_name_with_each_request(client):
     assert client.get("/api/v1/runs", auth=("Wang Li", PASSWORD)).status_code == 200
     refused = client.get("/api/v1/runs", auth=("Nobody", PASSWORD))
     assert refused.status_code == 401
@@ -207,14 +192,14 @@ def behind_proxy(home: Home, settings: str) -> Callable[..., int]:
     return asked
 
 
-def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home: Home) -> None:
+def test_the_header_of_a_proxy_is_believed_from_its_address_alone(home):
     asked = behind_proxy(home, 'addresses = ["10.0.0.7"]\nheader = "X-Remote-User"\n')
     assert asked("10.0.0.7", "Wang Li") == 200
     assert asked("10.0.0.7", "Nobody") == 401
     assert asked("127.0.0.1", "Wang Li") == 401
 
 
-def test_a_proxy_on_this_machine_is_known_by_its_secret(home: Home) -> None:
+def test_a_proxy_on_this_machine_is_known_by_its_secret(home):
     secret = whole_files.made(home.path / "proxy.secret")
     asked = behind_proxy(
         home,
@@ -228,14 +213,14 @@ def test_a_proxy_on_this_machine_is_known_by_its_secret(home: Home) -> None:
 
 
 @pytest.mark.parametrize("address", ["127.0.0.1", "127.0.0.2", "::1", "::ffff:127.0.0.1"])
-def test_a_proxy_on_this_machine_without_a_secret_is_refused(home: Home, address: str) -> None:
+def test_a_proxy_on_this_machine_without_a_secret_is_refused(home, address):
     text = f'[proxy]\naddresses = ["{address}"]\nheader = "X-Remote-User"\n'
     (home.path / "pages.toml").write_text(text, encoding="utf-8")
     with pytest.raises(Unusable, match=r'add secret_file = "proxy.secret"'):
         make_app(home)
 
 
-def test_a_proxys_secret_that_others_may_read_is_refused(home: Home) -> None:
+def test_a_proxys_secret_that_others_may_read_is_refused(home):
     whole_files.made(home.path / "proxy.secret")
     (home.path / "proxy.secret").chmod(0o644)
     with pytest.raises(Unusable, match="can be read by others"):
@@ -244,27 +229,25 @@ def test_a_proxys_secret_that_others_may_read_is_refused(home: Home) -> None:
         )
 
 
-def test_pages_without_users_are_served_on_this_machine_alone(tmp_path: Path) -> None:
+def test_pages_without_users_are_served_on_this_machine_alone(tmp_path):
     with pytest.raises(Unusable, match="mimucal user add"):
         serve(Home(tmp_path), "0.0.0.0", 0)
 
 
-def test_pages_of_this_machine_are_not_read_under_another_hosts_name(tmp_path: Path) -> None:
+def test_pages_of_this_machine_are_not_read_under_another_hosts_name(tmp_path):
     with served(Home(tmp_path)) as address:
         asked = f"{address}/api/v1/runs"
         assert httpx.get(asked).status_code == 200
         assert httpx.get(asked, headers={"Host": "elsewhere.example"}).status_code == 400
 
 
-def test_a_password_is_kept_as_an_argon2_hash(home: Home) -> None:
+def test_a_password_is_kept_as_an_argon2_hash(home):
     (user,) = users.users(home).values()
     assert user.password.startswith("$argon2id$")
     assert PASSWORD not in repr(user)
 
 
-def test_without_its_database_the_frame_is_there_and_the_json_says_why(
-    client: FlaskClient, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_without_its_database_the_frame_is_there_and_the_json_says_why(client, monkeypatch):
     def stopped(_: Home) -> dict[str, users.User]:
         raise Busy("The catalogue cannot be used.")
 

@@ -1,19 +1,14 @@
 """The frame that every page stands in, and its JSON."""
 
 import gzip
-from pathlib import Path
 
 import pytest
 from flask.testing import FlaskClient
 
 from flows.pages.answers import PAGES
 from flows.pages.app import CELLS, GRID, UNUSED, make_app
-from flows.pages.parts import Page, View, seen_by
-from flows.pages.shell import page_at
 from storage.home import Home
-from tasks.words import LANGUAGES, known
-
-NAVIGATED = [page for page in PAGES if page.in_navigation]
+from tasks.words import known
 
 
 @pytest.fixture(scope="module")
@@ -43,15 +38,6 @@ def test_openapi_describes_every_address_that_answers_and_no_other(client: Flask
         for method in (rule.methods or set()) - {"HEAD", "OPTIONS"}
     }
     assert {(path, method) for path, each in described.items() for method in each} == served
-
-
-@pytest.mark.parametrize("page", NAVIGATED, ids=lambda page: page.name)
-@pytest.mark.parametrize("language", LANGUAGES)
-def test_every_page_is_shown_of_a_home_that_holds_nothing(
-    page: Page, language: str, tmp_path: Path
-) -> None:
-    shown, _, _ = seen_by(View(language), page_at, f"/{page.name}", "", Home(tmp_path))
-    assert seen_by(View(language), page.title) in str(shown)
 
 
 def test_nothing_on_the_first_document_comes_from_elsewhere(client: FlaskClient) -> None:

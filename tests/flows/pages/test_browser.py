@@ -20,7 +20,7 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture(scope="module")
-def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
+def home(tmp_path_factory) -> Home:
     made = Home(tmp_path_factory.mktemp("browser"))
     draft(made, "V1")
     runs.add(recording_of(HOSTILE), made)
@@ -28,7 +28,7 @@ def home(tmp_path_factory: pytest.TempPathFactory) -> Home:
 
 
 @pytest.fixture(scope="module")
-def address(home: Home) -> Iterator[str]:
+def address(home) -> Iterator[str]:
     server = make_server("127.0.0.1", 0, make_app(home).server, threaded=True)
     Thread(target=server.serve_forever, daemon=True).start()
     yield f"http://127.0.0.1:{server.server_port}"
@@ -41,12 +41,12 @@ def faults() -> list[str]:
 
 
 @pytest.fixture(scope="module")
-def page(address: str, faults: list[str]) -> Iterator:
+def page(address, faults) -> Iterator:
     with watched_page(address, faults, "zh-CN") as page:
         yield page
 
 
-def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, faults) -> None:
+def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, faults):
     page.goto(f"{address}/runs")
     page.wait_for_selector(".ag-cell a")
     assert page.locator(".ag-center-cols-container [role=row]").count() == 2
@@ -62,7 +62,7 @@ def test_a_run_is_found_filtered_and_opened_in_both_languages(page, address, fau
     assert faults == []
 
 
-def test_a_name_with_a_script_is_text(page, address, faults) -> None:
+def test_a_name_with_a_script_is_text(page, address, faults):
     page.goto(f"{address}/runs")
     page.wait_for_selector(f"text={HOSTILE[:28]}")
     assert page.locator("img[src=x]").count() == 0
@@ -71,8 +71,8 @@ def test_a_name_with_a_script_is_text(page, address, faults) -> None:
 
 @pytest.mark.rehearsal
 def test_a_database_that_stops_is_said_so_and_the_page_comes_back_by_itself(
-    page, address, faults, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    page, address, faults, monkeypatch
+):
     stopped, reading = Event(), database.rows
 
     def rows(*asked):

@@ -18,6 +18,7 @@ from storage.home import Home
 from storage.stations import one_run_on, write_status
 from tests.drafts import UNDECIDED, draft
 from tests.flows.order_homes import CLIENT, add_station, no_workers
+from tests.flows.pages.laid_out import components
 from tests.flows.pages.test_line import ordered, status
 
 EVENING = datetime(2026, 11, 27, 17, 30, tzinfo=UTC)  # half past one of the next day in Shanghai
@@ -195,16 +196,16 @@ def test_a_card_has_a_title_and_what_the_chosen_certificate_says_beside_its_butt
     number = draft(home, "1", decision=UNDECIDED).certificate.number
     view = View(visitor=Visitor(name="Chen", role="administrator"))
     shown = seen_by(view, layout, data(DoQuestion(), home), DoQuestion())
-    titles = [part.children for part in parts(shown, "Title") if part.order == 4]
+    titles = [part.children for part in of_kind(shown, "Title") if part.order == 4]
     assert titles == [seen_by(view, said, f"pages-action.{action}") for action in FIELDS]
-    (waits,) = parts(seen_by(view, chosen, "check", None, home), "Button")
+    (waits,) = of_kind(seen_by(view, chosen, "check", None, home), "Button")
     assert waits.disabled
     shown = seen_by(view, chosen, "check", number, home)
     for part in ("Maker U 1", "Client", "Wang, 2026-11-21", "1 pass, 0 fail",
                  "no limits are defined", f"/certificate/{number}.pdf"):  # fmt: skip
         assert part.lower() in str(shown).lower()
     assert "data-ask" not in str(shown)
-    (withdraws,) = parts(seen_by(view, chosen, "withdraw", number, home), "Button")
+    (withdraws,) = of_kind(seen_by(view, chosen, "withdraw", number, home), "Button")
     assert f"Withdraw certificate {number}?" in getattr(withdraws, "data-ask")
 
 
@@ -225,17 +226,12 @@ def test_the_queue_says_how_far_an_order_is_and_local_time(
         monkeypatch.undo()
         time.tzset()
     assert "2026-11-28 01:30:00" in str(shown)
-    assert [bar.value for bar in parts(shown, "Progress")] == [25.0]
+    assert [bar.value for bar in of_kind(shown, "Progress")] == [25.0]
     assert "data-busy" in str(shown)
 
 
-def parts(shown: Any, kind: str) -> list[Any]:
-    """The components of a kind, in their order."""
-    inside = getattr(shown, "children", None)
-    of = inside if isinstance(inside, (list, tuple)) else [inside]
-    own = [shown] if type(shown).__name__ == kind else []
-    laid_out = [part for part in of if hasattr(part, "to_plotly_json")]
-    return own + [each for part in laid_out for each in parts(part, kind)]
+def of_kind(shown: Any, kind: str) -> list[Any]:
+    return [each for each in components(shown) if type(each).__name__ == kind]
 
 
 def test_an_issued_certificate_is_amended_by_limits_of_the_home(

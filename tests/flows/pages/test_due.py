@@ -1,14 +1,12 @@
 """The page of what is due: as the reminders have it, by client, model and time."""
 
-import json
 import shutil
 from datetime import UTC, date, datetime, timedelta
 from pathlib import Path
 
 import pytest
 
-from flows.pages.due import PAGE, DueQuestion, DueShown, data, due_state
-from flows.pages.parts import View, seen_by
+from flows.pages.due import DueQuestion, DueShown, data, due_state
 from schemas.base import Unusable
 from storage.catalogue import certificates, equipment
 from storage.home import Home
@@ -87,17 +85,6 @@ def test_a_state_is_bad_from_the_day_after_and_open_for_ninety_days_before() -> 
     kinds = [due_state(day + timedelta(days=n), day).kind for n in (-1, 0, 90, 91)]
     assert kinds == ["bad", "open", "open", "good"]
     assert due_state(None, day).kind == "none"
-
-
-@pytest.mark.parametrize("language", ["en", "zh"])
-def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: str) -> None:
-    for place, question in (
-        (home, DueQuestion(within=7)), (home, DueQuestion(client="nobody")),
-        (Home(tmp_path / "none"), DueQuestion()),
-    ):  # fmt: skip
-        found = data(question, place)
-        json.loads(found.model_dump_json(), parse_constant=pytest.fail)
-        assert seen_by(View(language), PAGE.layout, found, question).to_plotly_json()
 
 
 def test_a_certificate_that_was_damaged_is_named(home: Home, tmp_path: Path) -> None:

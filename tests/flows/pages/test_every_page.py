@@ -2,15 +2,18 @@
 read, and one Chinese term for one thing.
 """
 
+import json
 import re
 from collections.abc import Iterator
-from datetime import UTC, datetime
+from datetime import UTC, date, datetime
 from importlib.resources import files
 from pathlib import Path
 from typing import Any
 
 import pytest
 
+from flows.pages import discrepancy as discrepancy_page
+from flows.pages import due, quality, unit
 from flows.pages.do import answer, chosen
 from flows.pages.parts import View, seen_by
 from flows.pages.shell import page_at
@@ -21,6 +24,7 @@ from storage.catalogue import certificates, discrepancies, equipment, orders, re
 from storage.home import Home
 from storage.stations import lock_out, write_status
 from tests.drafts import calibration_of, draft, recording_of
+from tests.flows.pages.laid_out import texts
 from tests.flows.pages.test_discrepancy import discrepancy
 from tests.flows.pages.test_line import ordered, status
 
@@ -30,7 +34,6 @@ OF_SHELL = re.compile(r"`|\bmimucal [a-z]|/srv/|(?<!\w)--[a-z]")
 ADMINISTRATOR = Visitor(name="Wang", role="administrator")
 WORDS = files("tasks.words")
 NOW = datetime.now(UTC)
-LOOKED_AT = ("line", "do", "mismatch", "quality", "run", "unit", "runs", "due")
 
 
 @pytest.fixture(scope="module")
@@ -60,24 +63,6 @@ def _drafts(home: Home) -> Iterator[str]:
     yield from (entry.number for entry in certificates.register(home))
 
 
-def texts(part: Any) -> Iterator[str]:
-    """Everything that a person reads of a page, as it is laid out."""
-    if hasattr(part, "to_plotly_json"):
-        props = part.to_plotly_json()["props"]
-        for name, value in props.items():
-            if name in ("children", "title", "label", "placeholder", "headerName", "data-ask",
-                        "columnDefs", "rowData"):  # fmt: skip
-                yield from texts(value)
-    elif isinstance(part, dict):
-        for value in part.values():
-            yield from texts(value)
-    elif isinstance(part, (list, tuple)):
-        for each in part:
-            yield from texts(each)
-    elif isinstance(part, str):
-        yield part
-
-
 @pytest.mark.parametrize("language", ["en", "zh"])
 @pytest.mark.parametrize(
     "name", ["line", "do", "mismatch", "quality", "run", "unit", "runs", "due"]
@@ -97,6 +82,24 @@ def test_a_page_has_neither_another_language_nor_a_command(
         assert shown
         assert [text for text in shown if OF_SHELL.search(text)] == []
         assert language == "en" or [text for text in shown if SENTENCE.search(text)] == []
+
+
+ASKED = [
+    (discrepancy_page, {}), (due, {"within": 7}), (due, {"client": "nobody"}), (unit, {"id": 1}),
+    (quality, {"model": "MX-110", "since": date(2100, 1, 1)}),
+    (quality, {"model": "MX-110", "plot": "change", "station": "ST-01"}),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("language", ["en", "zh"])
+@pytest.mark.parametrize(("page", "asked"), ASKED)
+def test_a_page_of_the_line_is_laid_out_and_its_json_is_json(
+    line_store, page: Any, asked: dict[str, object], language: str
+) -> None:
+    question = page.PAGE.question.model_validate(asked)
+    shown = page.PAGE.data(question, line_store[0])
+    json.loads(shown.model_dump_json(), parse_constant=pytest.fail)
+    assert page.PAGE.layout(shown, View(language), question).to_plotly_json()
 
 
 def test_what_is_refused_on_the_page_do_is_said_in_the_readers_language(home: Home) -> None:

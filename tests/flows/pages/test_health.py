@@ -2,7 +2,6 @@
 
 import base64
 import json
-from pathlib import Path
 
 import httpx
 import pytest
@@ -15,7 +14,6 @@ from storage.catalogue import database, tables, users
 from storage.home import Home
 from storage.stations import write_status
 from tests.pages_server import served
-from tests.proof.line import Line
 from tests.storage.test_stations import status
 
 PASSWORD = "correct horse battery"
@@ -43,18 +41,18 @@ def credentials() -> dict[str, str]:
 
 
 @pytest.fixture
-def known(tmp_path: Path) -> Home:
+def known(tmp_path) -> Home:
     """A home with a user, whose pages ask for a name."""
     users.add("Wang Li", "viewer", login.hashed(PASSWORD), Home(tmp_path), "Admin")
     return Home(tmp_path)
 
 
-def test_a_sound_home_is_healthy_and_anybody_may_ask(known: Home) -> None:
+def test_a_sound_home_is_healthy_and_anybody_may_ask(known):
     answer = client_of(known).get("/health", environ_base=ELSEWHERE)
     assert (answer.status_code, answer.json) == (200, {"ok": True, "faults": {}})
 
 
-def test_what_is_wrong_is_said_without_names(known: Home, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_what_is_wrong_is_said_without_names(known, monkeypatch):
     client = client_of(known)
     with database.changing(known) as connection:
         connection.execute(tables.sql.text("UPDATE alembic_version SET version_num = '0001'"))
@@ -69,9 +67,7 @@ def test_what_is_wrong_is_said_without_names(known: Home, monkeypatch: pytest.Mo
     assert not any(word in answer.text for word in ("secret", "127.0.0.1", str(known.path), "lab"))
 
 
-def test_a_part_that_does_not_answer_in_time_is_a_fault(
-    known: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_part_that_does_not_answer_in_time_is_a_fault(known, monkeypatch):
     from threading import Event
 
     forever = Event()
@@ -81,7 +77,7 @@ def test_a_part_that_does_not_answer_in_time_is_a_fault(
     forever.set()
 
 
-def test_metrics_are_those_of_the_line(line_store: tuple[Home, Line]) -> None:
+def test_metrics_are_those_of_the_line(line_store):
     home, _ = line_store
     write_status(status("measuring"), home)
     client = client_of(home)
@@ -100,9 +96,7 @@ def test_metrics_are_those_of_the_line(line_store: tuple[Home, Line]) -> None:
     assert sum(n for name, n in found.items() if name.startswith("mimucal_certificates{")) > 0
 
 
-def test_metrics_of_an_unreachable_catalogue_are_those_of_the_rest(
-    known: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_metrics_of_an_unreachable_catalogue_are_those_of_the_rest(known, monkeypatch):
     client = client_of(known)
     monkeypatch.setenv("MIMUCAL_DATABASE", "postgresql://lab@127.0.0.1:1/mimucal")
     found = metrics(client)
@@ -110,9 +104,7 @@ def test_metrics_of_an_unreachable_catalogue_are_those_of_the_rest(
     assert not any(name.startswith("mimucal_runs") for name in found)
 
 
-def test_metrics_are_for_this_machine_and_for_those_with_a_name(
-    known: Home, credentials: dict[str, str]
-) -> None:
+def test_metrics_are_for_this_machine_and_for_those_with_a_name(known, credentials):
     client = client_of(known)
     assert client.get("/metrics").status_code == 200
     assert client.get("/metrics", environ_base=ELSEWHERE).status_code == 401
@@ -124,7 +116,7 @@ def test_metrics_are_for_this_machine_and_for_those_with_a_name(
 
 @pytest.mark.real_time
 @pytest.mark.parametrize("header", ["X-Forwarded-For", "Forwarded", "X-Forwarded-Host"])
-def test_metrics_as_served_see_who_comes_through_a_proxy(tmp_path: Path, header: str) -> None:
+def test_metrics_as_served_see_who_comes_through_a_proxy(tmp_path, header):
     """Whatever the server of the pages takes out of a request, it is no request of this machine."""
     with served(Home(tmp_path)) as url, httpx.Client(trust_env=False) as client:
         assert client.get(f"{url}/metrics").status_code == 200

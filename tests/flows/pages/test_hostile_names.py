@@ -1,8 +1,5 @@
 """What others wrote into a recording is text on every page, however it looks."""
 
-from collections.abc import Iterator
-from typing import Any
-
 import pytest
 
 from flows.pages.answers import PAGES
@@ -11,6 +8,7 @@ from flows.pages.shell import page_at
 from storage.catalogue import results, runs
 from storage.home import Home
 from tests.drafts import calibration_of, recording_of
+from tests.flows.pages.laid_out import components
 
 NAME = "<script>alert(1)</script><img src=x onerror=alert(1)>\"'`{}\U0001f600../../" + "x" * 10_000
 AS_CODE = {"Markdown", "DangerouslySetInnerHTML", "Script", "Iframe", "ObjectEl", "Embed"}
@@ -26,19 +24,6 @@ def store(tmp_path_factory: pytest.TempPathFactory) -> tuple[Home, str]:
     return home, run.id
 
 
-def parts(shown: Any) -> Iterator[dict[str, Any]]:
-    """Every component of a page with its properties."""
-    if hasattr(shown, "to_plotly_json"):
-        shown = shown.to_plotly_json()
-    if isinstance(shown, dict):
-        if "type" in shown and "props" in shown:
-            yield shown
-        shown = list(shown.values())
-    if isinstance(shown, (list, tuple)):
-        for each in shown:
-            yield from parts(each)
-
-
 @pytest.mark.parametrize("page", PAGES, ids=lambda page: page.name)
 def test_a_name_is_text_and_no_part_of_the_page(store: tuple[Home, str], page: Page) -> None:
     home, run = store
@@ -46,7 +31,7 @@ def test_a_name_is_text_and_no_part_of_the_page(store: tuple[Home, str], page: P
              "budget": f"?run={run}&item=gyro_bias&element=x"}  # fmt: skip
     for search in {asked.get(page.name, ""), f"?id={NAME}", f"?serial={NAME}"}:
         shown, _, _ = seen_by(View(), page_at, f"/{page.name}", search, home)
-        found = list(parts(shown))
+        found = [each.to_plotly_json() for each in components(shown)]
         assert found
         assert not AS_CODE & {part["type"] for part in found}
         assert not [part for part in found for name in PUT if part["props"].get(name)]

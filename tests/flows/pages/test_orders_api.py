@@ -1,6 +1,5 @@
 """/api/v1/orders: a manufacturing system's orders, each once, and nobody else's."""
 
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -22,12 +21,12 @@ CLIENT = {
 
 
 @pytest.fixture
-def begun(monkeypatch: pytest.MonkeyPatch) -> Begun:
+def begun(monkeypatch) -> Begun:
     return no_workers(monkeypatch)
 
 
 @pytest.fixture
-def home(tmp_path: Path, begun: Begun) -> Home:
+def home(tmp_path, begun) -> Home:
     add_station(tmp_path)
     for name, role in (("mes", "operator"), ("Zhao", "viewer")):
         users.add(name, role, login.hashed(PASSWORD), Home(tmp_path), "Admin")
@@ -35,7 +34,7 @@ def home(tmp_path: Path, begun: Begun) -> Home:
 
 
 @pytest.fixture
-def client(home: Home) -> FlaskClient:
+def client(home) -> FlaskClient:
     return make_app(home).server.test_client()
 
 
@@ -43,7 +42,7 @@ def give(client: FlaskClient, order: Any, name: str = "mes", **more: Any) -> Tes
     return client.post("/api/v1/orders", json=order, auth=(name, PASSWORD), **more)
 
 
-def test_an_order_is_created_once_and_is_there_with_what_became_of_it(client, home, begun) -> None:
+def test_an_order_is_created_once_and_is_there_with_what_became_of_it(client, home, begun):
     order = ORDER | {"client_order": CLIENT, "procedure": "jjf2003"}
     answers = [give(client, order), give(client, order)]
     assert [answer.status_code for answer in answers] == [201, 200]
@@ -59,7 +58,7 @@ def test_an_order_is_created_once_and_is_there_with_what_became_of_it(client, ho
     assert begun.commands[0][-3:] == ["station", "work", "LINE-1"]
 
 
-def test_who_may_not_order_and_who_says_no_name_is_refused(client, home) -> None:
+def test_who_may_not_order_and_who_says_no_name_is_refused(client, home):
     assert give(client, ORDER, "Zhao").status_code == 403
     assert client.post("/api/v1/orders", json=ORDER).status_code == 401
     wrong = client.post("/api/v1/orders", json=ORDER, auth=("mes", "wrong password"))
@@ -67,7 +66,7 @@ def test_who_may_not_order_and_who_says_no_name_is_refused(client, home) -> None
     assert orders.listed(home) == []
 
 
-def test_a_browser_that_knows_the_password_cannot_be_made_to_order(client, home) -> None:
+def test_a_browser_that_knows_the_password_cannot_be_made_to_order(client, home):
     forged = client.post(
         "/api/v1/orders", data=str(ORDER), content_type="text/plain", auth=("mes", PASSWORD)
     )
@@ -93,9 +92,7 @@ def test_a_browser_that_knows_the_password_cannot_be_made_to_order(client, home)
         ({"client_order": "/etc/passwd"}, ["client_order: "]),
     ],
 )  # fmt: skip
-def test_every_fault_of_an_order_is_named_and_it_is_not_kept(
-    changes: dict[str, Any], sentences: list[str], client, home
-) -> None:
+def test_every_fault_of_an_order_is_named_and_it_is_not_kept(changes, sentences, client, home):
     refused = give(client, ORDER | changes)
     assert refused.status_code == 400
     for sentence in sentences:
@@ -103,7 +100,7 @@ def test_every_fault_of_an_order_is_named_and_it_is_not_kept(
     assert orders.listed(home) == []
 
 
-def test_openapi_describes_both_ways(client) -> None:
+def test_openapi_describes_both_ways(client):
     described = client.get("/api/v1/openapi.json", auth=("mes", PASSWORD)).json
     path = described["paths"]["/api/v1/orders"]
     assert set(path["post"]["responses"]) == {"200", "201", "400", "401", "403", "503"}
@@ -113,16 +110,14 @@ def test_openapi_describes_both_ways(client) -> None:
 
 
 @pytest.mark.parametrize("serial", ["<b>S1</b>", "../..", ". .", "S1'", "S&1"])
-def test_a_serial_number_is_neither_markup_nor_a_path(client, home, serial: str) -> None:
+def test_a_serial_number_is_neither_markup_nor_a_path(client, home, serial):
     answer = give(client, ORDER | {"units": [{"serial": serial}]})
     assert answer.status_code == 400
     assert "serial" in answer.json["error"]
     assert orders.listed(home) == []
 
 
-def test_a_manufacturing_system_has_an_order_carried_out_again_under_its_number(
-    client, home
-) -> None:
+def test_a_manufacturing_system_has_an_order_carried_out_again_under_its_number(client, home):
     give(client, ORDER)
     document: dict[str, Any] = {"number": "4711", "reason": "clamped anew"}
 

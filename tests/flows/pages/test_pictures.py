@@ -1,6 +1,5 @@
 """The pictures of the pages: plotly takes them, and they hold every number of their page."""
 
-from collections.abc import Iterator
 from typing import Any
 
 import plotly.graph_objects as go
@@ -9,6 +8,7 @@ import pytest
 from flows.pages import due, quality, signals, unit
 from flows.pages.parts import Page, Theme, View, seen_by
 from storage.home import Home
+from tests.flows.pages.laid_out import components
 from tests.proof.line import Line, recorded_runs
 
 Figures = dict[str, go.Figure]
@@ -23,19 +23,11 @@ def drawn(page: Page, home: Home, theme: Theme = "light", **asked: object) -> tu
     """What a page shows, and its pictures; plotly refuses a property that it does not know."""
     question = page.question.model_validate(asked)
     shown = page.data(question, home)
-    laid_out = list(_parts(seen_by(View(theme=theme), page.layout, shown, question)))
+    laid_out = list(components(seen_by(View(theme=theme), page.layout, shown, question)))
     ids = [part.id for part in laid_out if hasattr(part, "id")]
     kept = [part for part in laid_out if _kind(part) == "picture-kept"]
     assert all({"type": "picture", "name": part.id["name"]} in ids for part in kept)
     return shown, {part.id["name"]: go.Figure(part.data["props"]["figure"]) for part in kept}
-
-
-def _parts(part: Any) -> Iterator[Any]:
-    yield part
-    children = getattr(part, "children", None)
-    for child in children if isinstance(children, list | tuple) else [children]:
-        if hasattr(child, "to_plotly_json"):
-            yield from _parts(child)
 
 
 def _kind(part: Any) -> str | None:

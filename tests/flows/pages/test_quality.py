@@ -1,11 +1,10 @@
 """The quality page: its numbers are the catalogue's, counted here a second time by hand."""
 
 import io
-import json
 import re
 import shutil
 from collections import Counter
-from datetime import date, timedelta
+from datetime import timedelta
 from itertools import pairwise
 from pathlib import Path
 
@@ -130,24 +129,6 @@ def test_causes_are_those_of_the_register_and_of_the_unit(home: Home) -> None:
 def test_what_the_catalogue_does_not_have_is_said(home: Home, asked: dict[str, str]) -> None:
     with pytest.raises(Unusable, match=r"there is no .* 'none'; there are"):
         data(QualityQuestion(**asked), home)
-
-
-@pytest.mark.parametrize("language", ["en", "zh"])
-def test_it_is_laid_out_whatever_there_is(home: Home, tmp_path: Path, language: str) -> None:
-    view = View(language)
-    question = OF.model_copy(update={"since": date(2100, 1, 1)})
-    for asked in (OF, question, OF.model_copy(update={"plot": "change", "station": "ST-01"})):
-        found = data(asked, home)
-        json.loads(found.model_dump_json(), parse_constant=pytest.fail)
-        assert seen_by(view, PAGE.layout, found, asked).to_plotly_json()
-    empty = data(QualityQuestion(), Home(tmp_path / "none"))
-    assert empty.model is None
-    assert seen_by(view, PAGE.layout, empty, QualityQuestion()).to_plotly_json()
-    draft(Home(tmp_path / "one"), "V1")
-    single = data(QualityQuestion(), Home(tmp_path / "one"))
-    assert single.total is not None
-    assert (single.total.passed, single.total.of) == (1, 1)
-    assert seen_by(view, PAGE.layout, single, QualityQuestion()).to_plotly_json()
 
 
 def test_what_fails_is_counted_by_limit_and_adds_up(home: Home, shown: QualityShown) -> None:

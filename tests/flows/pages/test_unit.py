@@ -1,8 +1,6 @@
 """The page of a unit: its numbers are the catalogue's, and its drift that of its values."""
 
-import json
 import re
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,11 +9,10 @@ from flows.pages.parts import View, seen_by
 from flows.pages.unit import PAGE, UnitQuestion, UnitShown, data
 from schemas.base import Unusable
 from storage import dataframes
-from storage.catalogue import certificates, runs
+from storage.catalogue import certificates
 from storage.home import Home
 from tasks.stages.remind import interval_advice, sentence
 from tasks.words import say
-from tests.drafts import draft, recording_of
 from tests.proof.line import Line
 
 
@@ -100,19 +97,6 @@ def test_a_page_has_one_unit_for_lengths_one_for_rates_and_one_for_accelerations
     cells = re.findall(r"TableTd\(children='[^']* ([^' ]+)'", page)
     used = {cell for cell in cells if re.fullmatch(r"[mµn]?m|°/[hs]|[mµ]?m/s²", cell)}
     assert used == {"mm", "°/s", "mm/s²"}
-
-
-@pytest.mark.parametrize("language", ["en", "zh"])
-def test_it_is_laid_out_whatever_there_is(shown: UnitShown, tmp_path: Path, language: str) -> None:
-    view, home = View(language), Home(tmp_path)
-    json.loads(shown.model_dump_json(), parse_constant=pytest.fail)
-    assert seen_by(view, PAGE.layout, shown, UnitQuestion(id=1)).to_plotly_json()
-    draft(home, "V1")
-    runs.add(recording_of("bare"), home)
-    for question in (UnitQuestion(), UnitQuestion(id=1), UnitQuestion(id=2)):
-        found = data(question, home)
-        assert found.advice is None
-        assert seen_by(view, PAGE.layout, found, question).to_plotly_json()
 
 
 def test_what_there_is_not_is_said(home: Home) -> None:

@@ -37,6 +37,6 @@ def filled() -> Fill:
 
 
 @pytest.fixture
-def backups(tmp_path: Path) -> Path:
+def backups(tmp_path) -> Path:
     """A folder for backups, which is not there yet."""
     return tmp_path / "backups"

@@ -5,7 +5,6 @@ import signal
 import subprocess
 import sys
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
@@ -49,9 +48,9 @@ def files(home: Home) -> dict[str, tuple[bytes, int]]:
 @pytest.mark.parametrize("databases", [("sqlite", "postgresql"), ("postgresql", "sqlite")],
                          ids=" to ".join)  # fmt: skip
 def test_a_home_comes_back_whole_from_either_database_to_either(
-    databases: tuple[str, str], fresh: Home, filled: Fill, backups: Path, tmp_path: Path,
-    server: str, monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    databases, fresh, filled, backups, tmp_path,
+    server, monkeypatch
+):  # fmt: skip
     def use(kind: str) -> None:
         monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
         if kind == "postgresql":
@@ -76,7 +75,7 @@ def test_a_home_comes_back_whole_from_either_database_to_either(
     assert list(audit_trail.faults(other)) == []
 
 
-def test_a_second_backup_copies_only_what_is_new(fresh: Home, filled: Fill, backups: Path) -> None:
+def test_a_second_backup_copies_only_what_is_new(fresh, filled, backups):
     filled(fresh)
     first, _ = back_up(fresh, backups, "1", silent)
     before = {path: path.stat().st_mtime_ns for path in (backups / "objects").rglob("*")}
@@ -92,8 +91,8 @@ def test_a_second_backup_copies_only_what_is_new(fresh: Home, filled: Fill, back
 
 
 def test_what_is_written_meanwhile_is_in_the_next_backup_and_never_half_in_this_one(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    fresh, filled, backups, tmp_path, monkeypatch
+):
     filled(fresh)
     real = backing_up.copied
     before = rows(fresh)
@@ -112,7 +111,7 @@ def test_what_is_written_meanwhile_is_in_the_next_backup_and_never_half_in_this_
     assert len(runs.all_runs(fresh)) == len(runs.all_runs(other)) + 1
 
 
-def test_what_is_missing_from_the_home_is_named(fresh: Home, filled: Fill, backups: Path) -> None:
+def test_what_is_missing_from_the_home_is_named(fresh, filled, backups):
     filled(fresh)
     lost = next(fresh.raw.iterdir())
     lost.unlink()
@@ -132,9 +131,7 @@ back_up(Home(Path(sys.argv[1])), Path(sys.argv[2]), "1", slow)
 """
 
 
-def test_a_backup_that_was_killed_is_never_taken_for_whole(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path
-) -> None:
+def test_a_backup_that_was_killed_is_never_taken_for_whole(fresh, filled, backups, tmp_path):
     filled(fresh)
     command = [sys.executable, "-c", BACK_UP, str(fresh.path), str(backups)]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:
@@ -153,8 +150,8 @@ def test_a_backup_that_was_killed_is_never_taken_for_whole(
 
 
 def test_a_restore_that_was_broken_off_is_no_home_until_it_is_gone_on_with(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    fresh, filled, backups, tmp_path, monkeypatch
+):
     filled(fresh)
     back_up(fresh, backups, "1", silent)
     other = Home(tmp_path / "other")
@@ -174,9 +171,9 @@ def test_a_restore_that_was_broken_off_is_no_home_until_it_is_gone_on_with(
 
 
 def test_a_home_database_or_store_that_holds_something_is_not_restored_onto(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path, server: str,
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:  # fmt: skip
+    fresh, filled, backups, tmp_path, server,
+    monkeypatch
+):  # fmt: skip
     filled(fresh)
     back_up(fresh, backups, "1", silent)
     before = rows(fresh), files(fresh)
@@ -190,9 +187,7 @@ def test_a_home_database_or_store_that_holds_something_is_not_restored_onto(
     assert not (tmp_path / "other").exists()
 
 
-def test_a_damaged_content_is_found_before_anything_is_written(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path
-) -> None:
+def test_a_damaged_content_is_found_before_anything_is_written(fresh, filled, backups, tmp_path):
     filled(fresh)
     _, manifest = back_up(fresh, backups, "1", silent)
     path = Objects(backups).path(manifest.files[0].object)
@@ -203,9 +198,7 @@ def test_a_damaged_content_is_found_before_anything_is_written(
     assert not (tmp_path / "other").exists()
 
 
-def test_a_backup_of_a_newer_program_is_refused(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path
-) -> None:
+def test_a_backup_of_a_newer_program_is_refused(fresh, filled, backups, tmp_path):
     filled(fresh)
     name, manifest = back_up(fresh, backups, "1", silent)
     path = backups / "backups" / f"{name}.json"
@@ -216,9 +209,7 @@ def test_a_backup_of_a_newer_program_is_refused(
         restore(backups, None, Home(tmp_path / "other"), silent)
 
 
-def test_a_name_that_leads_out_of_the_home_is_refused(
-    fresh: Home, filled: Fill, backups: Path, tmp_path: Path
-) -> None:
+def test_a_name_that_leads_out_of_the_home_is_refused(fresh, filled, backups, tmp_path):
     filled(fresh)
     name, _ = back_up(fresh, backups, "1", silent)
     path = backups / "backups" / f"{name}.json"
@@ -230,7 +221,7 @@ def test_a_name_that_leads_out_of_the_home_is_refused(
         restore(backups, None, Home(tmp_path / "other"), silent)
 
 
-def test_a_backup_is_for_its_owner_alone(fresh: Home, filled: Fill, backups: Path) -> None:
+def test_a_backup_is_for_its_owner_alone(fresh, filled, backups):
     filled(fresh)
     back_up(fresh, backups, "1", silent)
     assert backups.stat().st_mode & 0o077 == 0
@@ -238,14 +229,14 @@ def test_a_backup_is_for_its_owner_alone(fresh: Home, filled: Fill, backups: Pat
                for path in (backups / "objects").rglob("*") if path.is_file())  # fmt: skip
 
 
-def test_a_home_within_the_folder_or_without_a_catalogue_is_refused(fresh: Home) -> None:
+def test_a_home_within_the_folder_or_without_a_catalogue_is_refused(fresh):
     with pytest.raises(Unusable, match="another disk"):
         back_up(fresh, fresh.path / "backups", "1", silent)
     with pytest.raises(Unusable, match="nothing to back up"):
         back_up(fresh, fresh.path.with_name("backups"), "1", silent)
 
 
-def test_one_backup_at_a_time(fresh: Home, filled: Fill, backups: Path) -> None:
+def test_one_backup_at_a_time(fresh, filled, backups):
     filled(fresh)
     with Objects(backups).writing(), pytest.raises(Unusable, match="going on"):
         back_up(fresh, backups, "1", silent)

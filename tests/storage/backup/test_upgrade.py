@@ -35,9 +35,7 @@ def contents(home: Home) -> dict[str, list[bytes]]:
 
 
 @pytest.fixture(params=["sqlite", "postgresql"])
-def earlier(
-    request, fresh: Home, tmp_path: Path, server: str, monkeypatch: pytest.MonkeyPatch
-) -> Home:
+def earlier(request, fresh, tmp_path, server, monkeypatch) -> Home:
     """A home that an earlier version left, in either database."""
     with tarfile.open(OLD) as archive:
         archive.extractall(fresh.path, filter="data")
@@ -52,9 +50,7 @@ def earlier(
     return fresh
 
 
-def test_reading_and_writing_an_older_catalogue_ask_for_the_upgrade_and_change_nothing(
-    earlier: Home,
-) -> None:
+def test_reading_and_writing_an_older_catalogue_ask_for_the_upgrade_and_change_nothing(earlier):
     before = contents(earlier)
     for use in (runs.all_runs, take_number, verify):
         with pytest.raises(Unusable, match="`mimucal upgrade`"):
@@ -63,7 +59,7 @@ def test_reading_and_writing_an_older_catalogue_ask_for_the_upgrade_and_change_n
     assert is_needed(earlier)
 
 
-def test_upgrade_checks_on_a_copy_and_its_way_back_leads_to_what_was(earlier: Home) -> None:
+def test_upgrade_checks_on_a_copy_and_its_way_back_leads_to_what_was(earlier):
     before = contents(earlier)
     assert rehearse(earlier, "1", silent) == []
     assert contents(earlier) == before
@@ -84,9 +80,7 @@ def test_upgrade_checks_on_a_copy_and_its_way_back_leads_to_what_was(earlier: Ho
         back(earlier, "1")
 
 
-def test_an_upgrade_that_fails_leaves_everything_as_it_was(
-    earlier: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_upgrade_that_fails_leaves_everything_as_it_was(earlier, monkeypatch):
     before = contents(earlier)
     real = database.bring_to
 
@@ -103,13 +97,13 @@ def test_an_upgrade_that_fails_leaves_everything_as_it_was(
 
 
 @pytest.fixture
-def of_sqlite(fresh: Home) -> Home:
+def of_sqlite(fresh) -> Home:
     with tarfile.open(OLD) as archive:
         archive.extractall(fresh.path, filter="data")
     return fresh
 
 
-def test_a_damaged_store_is_not_upgraded(of_sqlite: Home) -> None:
+def test_a_damaged_store_is_not_upgraded(of_sqlite):
     next(of_sqlite.raw.iterdir()).unlink()
     before = contents(of_sqlite)
     faults = rehearse(of_sqlite, "1", silent)
@@ -118,8 +112,8 @@ def test_a_damaged_store_is_not_upgraded(of_sqlite: Home) -> None:
 
 
 def test_no_upgrade_while_a_run_goes_on_or_without_room_or_over_an_unconfirmed_one(
-    of_sqlite: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    of_sqlite, monkeypatch
+):
     now = status("measuring")
     with one_run_on(now.station, of_sqlite):
         write_status(now, of_sqlite)
@@ -133,7 +127,7 @@ def test_no_upgrade_while_a_run_goes_on_or_without_room_or_over_an_unconfirmed_o
         rehearse(of_sqlite, "1", silent)
 
 
-def test_a_home_at_this_revision_needs_none(fresh: Home) -> None:
+def test_a_home_at_this_revision_needs_none(fresh):
     assert not is_needed(fresh)
     take_number(fresh)
     assert not is_needed(fresh)
@@ -142,9 +136,7 @@ def test_a_home_at_this_revision_needs_none(fresh: Home) -> None:
             way()
 
 
-def test_a_backup_of_an_older_catalogue_is_restored_as_this_one(
-    of_sqlite: Home, tmp_path: Path
-) -> None:
+def test_a_backup_of_an_older_catalogue_is_restored_as_this_one(of_sqlite, tmp_path):
     back_up(of_sqlite, tmp_path / "backups", "1", silent)
     other = Home(tmp_path / "other")
     restore(tmp_path / "backups", None, other, silent)

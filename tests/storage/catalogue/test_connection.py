@@ -1,7 +1,6 @@
 """Connections to the catalogue: how often its file is opened, and that it is closed again."""
 
 from concurrent.futures import ThreadPoolExecutor
-from pathlib import Path
 
 import pytest
 import sqlalchemy as sql
@@ -19,14 +18,14 @@ def read(home: Home) -> None:
 
 
 @pytest.fixture
-def home(tmp_path: Path) -> Home:
+def home(tmp_path) -> Home:
     made = Home(tmp_path)
     with database.changing(made):
         pass
     return made
 
 
-def test_within_it_a_file_is_opened_once_and_closed_at_the_end(home: Home) -> None:
+def test_within_it_a_file_is_opened_once_and_closed_at_the_end(home):
     opened: list[object] = []
     closed: list[object] = []
     with opened_once(home, BUSY_S):
@@ -40,7 +39,7 @@ def test_within_it_a_file_is_opened_once_and_closed_at_the_end(home: Home) -> No
     assert not home.path.joinpath(f"{FILE}-wal").exists()
 
 
-def test_many_threads_each_close_their_own(home: Home) -> None:
+def test_many_threads_each_close_their_own(home):
     def work(_: int) -> None:
         with opened_once(home, BUSY_S):
             for _ in range(5):
@@ -51,9 +50,7 @@ def test_many_threads_each_close_their_own(home: Home) -> None:
     assert not home.path.joinpath(f"{FILE}-wal").exists()
 
 
-def test_a_database_that_cannot_be_named_leaves_nothing_behind(
-    home: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_database_that_cannot_be_named_leaves_nothing_behind(home, monkeypatch):
     before = engine_of(url_of(home), BUSY_S)
     with monkeypatch.context() as patched:
         patched.setenv("MIMUCAL_DATABASE", "nonsense")

@@ -1,6 +1,5 @@
 """Production orders: kept under their number, begun once, and never lost with a process."""
 
-from collections.abc import Callable
 from datetime import UTC, datetime, timedelta
 from itertools import chain
 from typing import Any
@@ -12,7 +11,6 @@ from schemas.certificate import Order
 from schemas.orders import ProductionOrder
 from schemas.recording import Unit
 from storage.catalogue import audit_trail, orders, runs
-from storage.home import Home
 from storage.order_lock import only_worker_of
 from tests.storage.small import small
 
@@ -36,7 +34,7 @@ def order(number: str = "1", **changes: Any) -> ProductionOrder:
     return ProductionOrder(**fields | changes)
 
 
-def test_an_order_is_kept_as_it_was_given_and_twice_the_same_is_one(fresh: Home) -> None:
+def test_an_order_is_kept_as_it_was_given_and_twice_the_same_is_one(fresh):
     assert orders.add([order()], fresh) == [(order(), True)]
     again = order(person="Zhao", ordered_at=NOW + timedelta(hours=1))
     assert orders.add([again], fresh) == [(order(), False)]
@@ -51,9 +49,7 @@ def test_an_order_is_kept_as_it_was_given_and_twice_the_same_is_one(fresh: Home)
     [{"station": "T2"}, {"procedure": "jjf1536"}, {"units": order("2").units},
      {"client_order": None}],
 )  # fmt: skip
-def test_another_content_under_a_number_is_refused_and_nothing_beside_it_is_kept(
-    changes: dict[str, Any], fresh: Home
-) -> None:
+def test_another_content_under_a_number_is_refused_and_nothing_beside_it_is_kept(changes, fresh):
     orders.add([order()], fresh)
     what = next(iter(changes)).replace("_", " ")
     with pytest.raises(Unusable, match=f"order 1 is there already .* another {what}: give it"):
@@ -62,9 +58,7 @@ def test_another_content_under_a_number_is_refused_and_nothing_beside_it_is_kept
     assert len(audit_trail.entries(fresh)) == 1
 
 
-def test_of_four_processes_that_claim_twenty_orders_each_order_has_one(
-    either: Home, at_once: Callable[..., list[str]]
-) -> None:
+def test_of_four_processes_that_claim_twenty_orders_each_order_has_one(either, at_once):
     orders.add([order(str(number)) for number in range(20)], either)
     claimed = [eval(text) for text in at_once(CLAIM, either, processes=4)]
     assert sorted(chain(*claimed), key=int) == [str(number) for number in range(20)]
@@ -73,7 +67,7 @@ def test_of_four_processes_that_claim_twenty_orders_each_order_has_one(
     assert [each.is_interrupted for each in orders.waiting(either)] == [True] * 20
 
 
-def test_an_order_that_runs_or_has_ended_is_neither_claimed_nor_cancelled(fresh: Home) -> None:
+def test_an_order_that_runs_or_has_ended_is_neither_claimed_nor_cancelled(fresh):
     orders.add([order()], fresh)
     claimed = orders.claim("1", fresh)
     assert claimed is not None
@@ -91,7 +85,7 @@ def test_an_order_that_runs_or_has_ended_is_neither_claimed_nor_cancelled(fresh:
         orders.retry("1", "Li", fresh)
 
 
-def test_a_cancelled_order_waits_no_more_until_it_is_repeated(fresh: Home) -> None:
+def test_a_cancelled_order_waits_no_more_until_it_is_repeated(fresh):
     orders.add([order("1"), order("2", ordered_at=NOW + timedelta(seconds=1))], fresh)
     assert orders.cancel("1", "Zhao", fresh).state == "cancelled"
     assert [each.number for each in orders.waiting(fresh, "T1")] == ["2"]
@@ -106,7 +100,7 @@ def test_a_cancelled_order_waits_no_more_until_it_is_repeated(fresh: Home) -> No
         orders.cancel("3", "Zhao", fresh)
 
 
-def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(fresh: Home) -> None:
+def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(fresh):
     orders.add([order(), order("2", station="T2")], fresh)
     begun = orders.claim("1", fresh)
     orders.claim("2", fresh)
@@ -126,7 +120,7 @@ def test_an_order_whose_process_died_waits_again_and_goes_on_where_it_was(fresh:
     )
 
 
-def test_one_process_takes_the_orders_of_a_station(fresh: Home) -> None:
+def test_one_process_takes_the_orders_of_a_station(fresh):
     first, second, other = (only_worker_of(name, fresh) for name in ("T1", "T1", "T2"))
     with first as is_first, second as is_second, other as is_other:
         assert (is_first, is_second, is_other) == (True, False, True)

@@ -5,16 +5,15 @@ import pytest
 from storage.catalogue import results, runs
 from storage.catalogue.results import keep, keep_fault, made_under, to_make
 from storage.catalogue.runs import Run
-from storage.home import Home
 from tests.storage.small import calibrated, small
 
 
 @pytest.fixture
-def run(fresh: Home) -> Run:
+def run(fresh) -> Run:
     return runs.add(small(), fresh)[0]
 
 
-def test_each_newest_result_is_made_again_and_a_run_without_any_once(fresh: Home, run: Run) -> None:
+def test_each_newest_result_is_made_again_and_a_run_without_any_once(fresh, run):
     bare = runs.add(small(1.0), fresh)[0]
     results.save(calibrated(run), fresh)
     newest = results.save(calibrated(run, 0.5), fresh)
@@ -25,9 +24,7 @@ def test_each_newest_result_is_made_again_and_a_run_without_any_once(fresh: Home
     }  # fmt: skip
 
 
-def test_what_was_made_is_not_made_again_under_the_same_circumstances_alone(
-    fresh: Home, run: Run
-) -> None:
+def test_what_was_made_is_not_made_again_under_the_same_circumstances_alone(fresh, run):
     before = results.save(calibrated(run), fresh)
     (waiting,) = to_make([run], "now", fresh)
     after = keep(waiting, calibrated(run, 0.5), "now", 1.0, fresh)
@@ -38,13 +35,13 @@ def test_what_was_made_is_not_made_again_under_the_same_circumstances_alone(
     assert [each.id for each in results.of_run(run, fresh)] == [before, after]
 
 
-def test_a_first_result_is_not_made_twice(fresh: Home, run: Run) -> None:
+def test_a_first_result_is_not_made_twice(fresh, run):
     (waiting,) = to_make([run], "now", fresh)
     keep(waiting, calibrated(run), "now", 1.0, fresh)
     assert to_make([run], "now", fresh) == []
 
 
-def test_what_failed_is_tried_again_and_then_fails_no_more(fresh: Home, run: Run) -> None:
+def test_what_failed_is_tried_again_and_then_fails_no_more(fresh, run):
     results.save(calibrated(run), fresh)
     (waiting,) = to_make([run], "now", fresh)
     for why in ("the disk was off", "it still was"):
@@ -55,9 +52,7 @@ def test_what_failed_is_tried_again_and_then_fails_no_more(fresh: Home, run: Run
     assert [each.fault for each in made_under("now", fresh)] == [None]
 
 
-def test_result_and_note_are_kept_both_or_neither(
-    fresh: Home, run: Run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_result_and_note_are_kept_both_or_neither(fresh, run, monkeypatch):
     (waiting,) = to_make([run], "now", fresh)
 
     def power_cut(*_: object, **__: object) -> None:

@@ -35,7 +35,7 @@ STEPS = (
 )
 
 
-def test_recording_comes_back_as_it_went_in(fresh: Home) -> None:
+def test_recording_comes_back_as_it_went_in(fresh):
     recording = small()
     run = runs.add(recording, fresh)[0]
     again = runs.load(run, fresh)
@@ -45,7 +45,7 @@ def test_recording_comes_back_as_it_went_in(fresh: Home) -> None:
         np.testing.assert_array_equal(again.imu.columns[name], values)
 
 
-def test_run_says_what_it_is(fresh: Home) -> None:
+def test_run_says_what_it_is(fresh):
     before = datetime.now(UTC)
     run = runs.add(small(serial="7"), fresh)[0]
     assert run.id == f"r{run.digest[:12]}"
@@ -56,19 +56,17 @@ def test_run_says_what_it_is(fresh: Home) -> None:
     assert runs.all_runs(fresh) == [run]
 
 
-def test_second_import_of_same_content_is_the_same_run(fresh: Home) -> None:
+def test_second_import_of_same_content_is_the_same_run(fresh):
     assert runs.add(small(), fresh)[0] == runs.add(small(), fresh)[0]
     assert len(runs.all_runs(fresh)) == 1
     assert len(list(fresh.raw.iterdir())) == 1
 
 
-def test_digest_that_a_recording_claims_is_not_believed(fresh: Home) -> None:
+def test_digest_that_a_recording_claims_is_not_believed(fresh):
     assert runs.add(replace(small(), digest="f" * 64), fresh)[0].digest == digest(small())
 
 
-def test_concurrent_imports_of_the_same_content_are_one_run(
-    either: Home, tmp_path: Path, at_once: Callable[..., list[str]]
-) -> None:
+def test_concurrent_imports_of_the_same_content_are_one_run(either, tmp_path, at_once):
     write_columns(small(), tmp_path / "source")
     script = """
 path = Path(arguments[0])
@@ -81,15 +79,13 @@ print(runs.add(recordings.read(path), home, source=path)[0].id)
     assert [path.name for path in either.columns.iterdir()] == [run.digest]
 
 
-def test_raw_recording_is_read_only(fresh: Home) -> None:
+def test_raw_recording_is_read_only(fresh):
     run = runs.add(small(), fresh)[0]
     assert stat.S_IMODE((fresh.raw / f"{run.digest}.mcap").stat().st_mode) == 0o400
 
 
 @pytest.mark.parametrize("step", STEPS)
-def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
-    fresh: Home, step: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(fresh, step, monkeypatch):
     def break_off(*_: object) -> None:
         raise KeyboardInterrupt
 
@@ -104,9 +100,7 @@ def test_import_broken_off_leaves_nothing_half_and_can_be_repeated(
 
 
 @pytest.mark.parametrize("step", STEPS[1:2])
-def test_process_killed_in_an_import_leaves_a_store_that_goes_on(
-    fresh: Home, step: str, tmp_path: Path
-) -> None:
+def test_process_killed_in_an_import_leaves_a_store_that_goes_on(fresh, step, tmp_path):
     write_columns(small(), tmp_path / "source")
     script = """
 import os, sys
@@ -132,7 +126,7 @@ runs.add(recordings.read(source), home)
     assert verify(fresh) == (2, [])
 
 
-def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh: Home) -> None:
+def test_home_that_cannot_be_written_loses_nothing_and_says_so(fresh):
     fresh.path.write_text("a file stands where the folder should be")
     with pytest.raises(Unusable, match="MIMUCAL_HOME"):
         runs.add(small(), fresh)
@@ -159,16 +153,14 @@ def damage_value(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("damage", [damage_missing, damage_cut, damage_manifest, damage_value])
-def test_damaged_columns_are_made_again_from_raw(
-    fresh: Home, damage: Callable[[Path], None]
-) -> None:
+def test_damaged_columns_are_made_again_from_raw(fresh, damage):
     run = runs.add(small(), fresh)[0]
     damage(fresh.columns / run.digest)
     assert digest(runs.load(run, fresh)) == run.digest
     assert runs.from_columns(run, fresh) is not None
 
 
-def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home) -> None:
+def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh):
     run = runs.add(small(), fresh)[0]
     shutil.rmtree(fresh.columns)
     (fresh.raw / f"{run.digest}.mcap").unlink()
@@ -178,7 +170,7 @@ def test_run_whose_files_are_gone_says_how_to_bring_it_back(fresh: Home) -> None
     assert runs.load(run, fresh).digest == run.digest
 
 
-def test_raw_recording_with_other_content_is_refused(fresh: Home) -> None:
+def test_raw_recording_with_other_content_is_refused(fresh):
     run = runs.add(small(), fresh)[0]
     shutil.rmtree(fresh.columns)
     path = fresh.raw / f"{run.digest}.mcap"
@@ -188,14 +180,14 @@ def test_raw_recording_with_other_content_is_refused(fresh: Home) -> None:
         runs.load(run, fresh)
 
 
-def test_run_is_found_by_every_name_that_it_has(fresh: Home) -> None:
+def test_run_is_found_by_every_name_that_it_has(fresh):
     run = runs.add(small(name="first"), fresh)[0]
     runs.add(small(start=1.0, name="second"), fresh)
     for reference in (run.id, run.id[:5], run.digest, run.digest[:8], "first"):
         assert runs.find(reference, fresh) == run
 
 
-def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home) -> None:
+def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh):
     one, two = runs.add(small(), fresh)[0], runs.add(small(start=1.0), fresh)[0]
     with pytest.raises(Unusable, match=rf"2 runs \({one.id}, {two.id}\).*mimucal runs"):
         runs.find("small", fresh)
@@ -206,7 +198,7 @@ def test_ambiguous_and_unknown_references_say_how_to_list_runs(fresh: Home) -> N
             runs.find(nobody, fresh)
 
 
-def test_source_taken_in_before_is_known_by_its_bytes(fresh: Home, tmp_path: Path) -> None:
+def test_source_taken_in_before_is_known_by_its_bytes(fresh, tmp_path):
     folder, moved = tmp_path / "folder", tmp_path / "elsewhere" / "copy"
     write_columns(small(), folder)
     assert runs.imported_before(folder, fresh) is None
@@ -219,9 +211,7 @@ def test_source_taken_in_before_is_known_by_its_bytes(fresh: Home, tmp_path: Pat
     assert runs.imported_before(moved, fresh) is None
 
 
-def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
-    fresh: Home, tmp_path: Path
-) -> None:
+def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(fresh, tmp_path):
     folder, file = tmp_path / "folder", tmp_path / "small.mcap"
     write_columns(small(), folder)
     write_mcap(small(), file)
@@ -234,7 +224,7 @@ def test_same_content_as_parquet_and_mcap_is_one_run_known_from_both(
     )
 
 
-def test_path_is_read_as_what_it_holds(tmp_path: Path) -> None:
+def test_path_is_read_as_what_it_holds(tmp_path):
     bag = tmp_path / "bag"
     bag.mkdir()
     (bag / "metadata.yaml").write_text("rosbag2_bagfile_information:\n")
@@ -245,7 +235,7 @@ def test_path_is_read_as_what_it_holds(tmp_path: Path) -> None:
         assert recordings.read(tmp_path / name).digest == digest(small())
 
 
-def test_manifest_given_goes_before_the_one_in_the_file(tmp_path: Path) -> None:
+def test_manifest_given_goes_before_the_one_in_the_file(tmp_path):
     write_mcap(small(), tmp_path / "small.mcap")
     manifest = tmp_path / "manifest.json"
     manifest.write_text(small(name="other").manifest.model_dump_json())
@@ -289,9 +279,7 @@ def make_bag_without_metadata(path: Path) -> None:
         (make_bag_without_metadata, r"give the file .*a\.mcap itself"),
     ],
 )
-def test_path_that_is_no_recording_is_refused(
-    fresh: Home, tmp_path: Path, make: Callable[[Path], None], says: str
-) -> None:
+def test_path_that_is_no_recording_is_refused(fresh, tmp_path, make, says):
     path = tmp_path / "path"
     make(path)
     with pytest.raises(Unusable, match=says):
@@ -301,20 +289,13 @@ def test_path_that_is_no_recording_is_refused(
     assert not fresh.path.exists()
 
 
-def test_shared_recording_is_kept_and_loaded(fresh: Home, shared: Path) -> None:
-    path = shared / "plant" / "ahrs_clean"
-    run = runs.add(recordings.read(path), fresh, source=path)[0]
-    assert digest(runs.load(run, fresh)) == run.digest
-    assert run.standard == "JJF 1536-2015"
-
-
 # Runs chosen by what the catalogue says of them; those of earlier versions, too.
 
 TABLE = {"name": "Table", "name_zh": "转台", "serial": "T-7", "accuracy": "1″", "certificate": "C1"}
 
 
 @pytest.fixture
-def recorded(fresh: Home) -> Callable[..., str]:
+def recorded(fresh) -> Callable[..., str]:
     """Keeps a run whose manifest has further fields; gives its id."""
 
     def keep(start: float, station: str = "T1", serial: str = "1", **fields: Any) -> str:
@@ -330,7 +311,7 @@ def chosen(home: Home, **asked: Any) -> list[str]:
     return [run.id for run in select(Selection(**asked), home)]
 
 
-def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> None:
+def test_stations_serials_procedures_and_days_choose(fresh, recorded):
     one = recorded(0.0, recorded_at="2026-03-01T23:59:00+08:00", procedure="short")
     two = recorded(1.0, station="T2", recorded_at="2026-03-02", standard="JJF 2003-2022")
     three = recorded(2.0, serial="2")
@@ -346,16 +327,14 @@ def test_stations_serials_procedures_and_days_choose(fresh: Home, recorded) -> N
     assert chosen(fresh, since=today) == [three]  # by its import: its manifest gives no day
 
 
-def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(
-    fresh: Home, recorded
-) -> None:
+def test_the_moment_of_the_first_row_gives_the_day_where_no_station_did(fresh, recorded):
     moment = recorded(0.0, acquired_at="20260301T083000Z")
     both = recorded(1.0, recorded_at="2026-03-02T07:00:00+08:00", acquired_at="2026-03-01T23:00Z")
     assert chosen(fresh, until=date(2026, 3, 1)) == [moment]
     assert chosen(fresh, since=date(2026, 3, 2), until=date(2026, 3, 2)) == [both]
 
 
-def test_the_version_of_the_newest_result_chooses(fresh: Home, recorded) -> None:
+def test_the_version_of_the_newest_result_chooses(fresh, recorded):
     old, new = (runs.find(recorded(start), fresh) for start in (0.0, 1.0))
     for run in (old, new):
         results.save(calibrated(run, code_version="0.1.0+a"), fresh)
@@ -364,9 +343,7 @@ def test_the_version_of_the_newest_result_chooses(fresh: Home, recorded) -> None
     assert chosen(fresh, code_version="0.2") == [new.id]
 
 
-def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificates(
-    fresh: Home, recorded
-) -> None:
+def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificates(fresh, recorded):
     run = runs.find(recorded(0.0, recorded_at="2026-03-01", equipment=[TABLE]), fresh)
     recording = runs.load(run, fresh)
     party = dict.fromkeys(("name", "name_zh", "address", "address_zh"), "L")
@@ -386,7 +363,7 @@ def test_runs_of_an_earlier_version_are_completed_from_manifests_and_certificate
     assert set(database.rows(fresh, sql.select(tables.equipment))) == set(expected)
 
 
-def test_equipment_that_is_no_record_keeps_no_run_out(fresh: Home, recorded) -> None:
+def test_equipment_that_is_no_record_keeps_no_run_out(fresh, recorded):
     run = recorded(0.0, equipment=["a table", {"name": "Table"}, 7], recorded_at=17)
     assert runs.find(run, fresh).recorded_on is None
     (row,) = database.rows(fresh, sql.select(tables.equipment))

@@ -160,7 +160,7 @@ ONLY_CSV = ("text for a number", "path upwards", "stream file missing", "unknown
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 @pytest.mark.parametrize("fault", REFUSED)
-def test_fault_is_refused_with_one_sentence(fault: str, suffix: str, tmp_path: Path) -> None:
+def test_fault_is_refused_with_one_sentence(fault, suffix, tmp_path):
     change, words = REFUSED[fault]
     if fault in ONLY_CSV:
         suffix = "csv"
@@ -189,14 +189,14 @@ def test_fault_is_refused_with_one_sentence(fault: str, suffix: str, tmp_path: P
         (b"{}", "format"),
     ],
 )
-def test_manifest_that_is_none_is_refused(content: bytes, word: str, tmp_path: Path) -> None:
+def test_manifest_that_is_none_is_refused(content, word, tmp_path):
     folder = write(tmp_path / "recording")
     (folder / "manifest.json").write_bytes(content)
     with pytest.raises(Unusable, match=word):
         read_folder(folder)
 
 
-def test_missing_folder_and_missing_manifest_are_refused(tmp_path: Path) -> None:
+def test_missing_folder_and_missing_manifest_are_refused(tmp_path):
     with pytest.raises(Unusable, match="no such folder"):
         read_folder(tmp_path / "nowhere")
     with pytest.raises(Unusable, match=r"manifest\.json"):
@@ -205,14 +205,14 @@ def test_missing_folder_and_missing_manifest_are_refused(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("suffix", ["csv", "parquet"])
 @pytest.mark.parametrize("content", [b"", b"\0\1\2 not a table", b"\xff\xfe\n\xff"])
-def test_file_that_is_no_table_is_refused(suffix: str, content: bytes, tmp_path: Path) -> None:
+def test_file_that_is_no_table_is_refused(suffix, content, tmp_path):
     folder = write(tmp_path / "recording", suffix=suffix)
     (folder / f"imu.{suffix}").write_bytes(content)
     with pytest.raises(Unusable, match=rf"imu\.{suffix}"):
         read_folder(folder)
 
 
-def test_link_out_of_the_folder_is_refused(tmp_path: Path) -> None:
+def test_link_out_of_the_folder_is_refused(tmp_path):
     folder = write(tmp_path / "recording")
     (folder / "imu.csv").rename(tmp_path / "imu.csv")
     (folder / "imu.csv").symlink_to(tmp_path / "imu.csv")
@@ -220,7 +220,7 @@ def test_link_out_of_the_folder_is_refused(tmp_path: Path) -> None:
         read_folder(folder)
 
 
-def test_known_column_twice_is_refused_and_unknown_ones_are_left_out(tmp_path: Path) -> None:
+def test_known_column_twice_is_refused_and_unknown_ones_are_left_out(tmp_path):
     folder = write(tmp_path / "recording")
     header, *rows = (folder / "imu.csv").read_text().splitlines()
     more = [f"{header},note,note"] + [f"{row},a,b" for row in rows]
@@ -233,7 +233,7 @@ def test_known_column_twice_is_refused_and_unknown_ones_are_left_out(tmp_path: P
 
 
 @pytest.mark.parametrize("fields", [2, 9])
-def test_row_with_another_number_of_fields_is_named(fields: int, tmp_path: Path) -> None:
+def test_row_with_another_number_of_fields_is_named(fields, tmp_path):
     folder = write(tmp_path / "recording")
     lines = (folder / "imu.csv").read_text().splitlines()
     lines[6] = ",".join(["1"] * fields)
@@ -242,7 +242,7 @@ def test_row_with_another_number_of_fields_is_named(fields: int, tmp_path: Path)
         read_folder(folder)
 
 
-def test_column_of_times_of_day_is_refused(tmp_path: Path) -> None:
+def test_column_of_times_of_day_is_refused(tmp_path):
     def change(_: dict, tables: dict[str, pd.DataFrame]) -> None:
         tables["imu"]["t"] = pd.to_datetime(tables["imu"]["t"], unit="s")
 
@@ -250,7 +250,7 @@ def test_column_of_times_of_day_is_refused(tmp_path: Path) -> None:
         read_folder(write(tmp_path / "recording", change, "parquet"))
 
 
-def test_csv_and_parquet_of_the_same_numbers_have_one_digest(tmp_path: Path) -> None:
+def test_csv_and_parquet_of_the_same_numbers_have_one_digest(tmp_path):
     as_csv = read_folder(write(tmp_path / "csv"))
     as_parquet = read_folder(write(tmp_path / "parquet", suffix="parquet"))
     assert as_csv.digest == as_parquet.digest
@@ -267,19 +267,19 @@ def test_csv_and_parquet_of_the_same_numbers_have_one_digest(tmp_path: Path) -> 
         say("segments", [segment("six_position", "static")]),
     ],
 )
-def test_digest_changes_with_anything_that_is_said(change: Change, tmp_path: Path) -> None:
+def test_digest_changes_with_anything_that_is_said(change, tmp_path):
     before = read_folder(write(tmp_path / "before"))
     assert read_folder(write(tmp_path / "after", change)).digest != before.digest
 
 
-def test_triad_may_be_null_over_a_stretch(tmp_path: Path) -> None:
+def test_triad_may_be_null_over_a_stretch(tmp_path):
     change = both(nulls("imu", GYRO, slice(0, 5)), nulls("imu", ACCEL, slice(5, None)))
     imu = read_folder(write(tmp_path / "recording", change)).imu
     assert np.isnan(imu.columns["gyro_z"]).sum() == 5
     assert np.isnan(imu.columns["accel_z"]).sum() == ROWS - 5
 
 
-def test_angles_stand_in_for_both_triads(tmp_path: Path) -> None:
+def test_angles_stand_in_for_both_triads(tmp_path):
     def change(_: dict, tables: dict[str, pd.DataFrame]) -> None:
         tables["imu"] = tables["imu"].rename(columns=dict(zip(GYRO, ANGLE, strict=True)))
         tables["imu"] = tables["imu"].drop(columns=list(ACCEL))
@@ -288,13 +288,13 @@ def test_angles_stand_in_for_both_triads(tmp_path: Path) -> None:
     assert set(imu.columns) == set(ANGLE)
 
 
-def test_what_the_manifest_leaves_null_stays_unknown(tmp_path: Path) -> None:
+def test_what_the_manifest_leaves_null_stays_unknown(tmp_path):
     station = read_folder(write(tmp_path / "recording")).manifest.station
     assert (station.latitude_deg, station.gravity_m_s2, station.heading_deg) == (None, None, None)
 
 
 @pytest.mark.parametrize("name", ["real/vn200_imu1_rate_table", "real/ferraris_session"])
-def test_real_recording_is_read(name: str) -> None:
+def test_real_recording_is_read(name):
     recording = read_folder(shared_path(f"data/{name}"))
     assert recording.manifest.recording_id == Path(name).name
     assert np.array_equal(recording.imu.t, np.rint(recording.imu.t * 1e9) / 1e9)

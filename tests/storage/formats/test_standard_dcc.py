@@ -15,7 +15,7 @@ SCHEMAS = Path(os.environ.get("MIMUCAL_DCC_SCHEMA", "../shared/dcc"))
 
 
 @pytest.fixture
-def made(tmp_path: Path):
+def made(tmp_path):
     def write(*results: str) -> Path:
         path = tmp_path / "dcc.xml"
         path.write_text(document(*results), encoding="utf-8")
@@ -24,7 +24,7 @@ def made(tmp_path: Path):
     return write
 
 
-def test_a_dcc_fills_the_table_of_its_standard(made) -> None:
+def test_a_dcc_fills_the_table_of_its_standard(made):
     standard = read_standard(made(RATES, ANGLES), "corrected")
     assert (standard.name, standard.name_zh, standard.serial, standard.certificate) == (
         "Rate table", "转台", "TT-07", "CNAS 2026-117",
@@ -43,7 +43,7 @@ def test_a_dcc_fills_the_table_of_its_standard(made) -> None:
     assert pytest.approx(math.radians(1.5 / 3600)) == position.rows[1].U
 
 
-def test_results_of_one_kind_are_those_of_the_axes_they_name(made) -> None:
+def test_results_of_one_kind_are_those_of_the_axes_they_name(made):
     outer = RATES.replace("inner", "outer")
     standard = read_standard(made(RATES, outer), "budgeted")
     assert standard.functions["rate"].axes == ("inner", "outer")
@@ -63,7 +63,7 @@ def test_results_of_one_kind_are_those_of_the_axes_they_name(made) -> None:
         ([RATES.replace(">2<", ">2 2 3<")], "more than one coverage factor"),
     ],
 )
-def test_what_does_not_state_a_table_is_refused_by_name(made, results, sentence: str) -> None:
+def test_what_does_not_state_a_table_is_refused_by_name(made, results, sentence):
     path = made(*results)
     with pytest.raises(Unusable) as refused:
         read_standard(path, "corrected")
@@ -71,7 +71,7 @@ def test_what_does_not_state_a_table_is_refused_by_name(made, results, sentence:
     assert sentence in str(refused.value)
 
 
-def test_other_files_are_refused(tmp_path: Path) -> None:
+def test_other_files_are_refused(tmp_path):
     path = tmp_path / "other.xml"
     path.write_text("<a/>", encoding="utf-8")
     with pytest.raises(Unusable, match="no digitalCalibrationCertificate"):
@@ -84,6 +84,6 @@ def test_other_files_are_refused(tmp_path: Path) -> None:
 
 
 @pytest.mark.skipif(not SCHEMAS.is_dir(), reason="the DCC schemas are not here")
-def test_the_documents_of_these_tests_are_dccs(made) -> None:
+def test_the_documents_of_these_tests_are_dccs(made):
     schema = etree.XMLSchema(etree.parse(SCHEMAS / "v3.3.0" / "dcc.xsd"))
     schema.assertValid(etree.parse(made(RATES, ANGLES)))

@@ -6,7 +6,6 @@ import pytest
 
 from schemas.calibration import Calibration
 from schemas.laboratory import EquipmentLimit, ResultAxes
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import EXAMPLE, evaluation_for
 from tasks.specifications.jjf2003 import JJF2003
 from tests.own_limits import as_table_1
@@ -17,7 +16,7 @@ CODE = "mounting_unknown"
 
 
 @pytest.fixture(scope="module")
-def made(ideal_run: Callable[..., Recording]) -> Callable[..., Calibration]:
+def made(ideal_run) -> Callable[..., Calibration]:
     recording = ideal_run(dwell=1.0)
 
     def build(axes: ResultAxes | None, stated: bool) -> Calibration:
@@ -43,9 +42,9 @@ def tilts(calibration: Calibration) -> bool:
     ],
 )
 def test_the_limit_of_the_mounting_counts_for_the_mounting_plane_alone(
-    made: Callable[..., Calibration], axes: ResultAxes | None, stated: bool, about: ResultAxes,
-    counted: bool, blocked: bool,
-) -> None:  # fmt: skip
+    made, axes, stated, about,
+    counted, blocked
+):  # fmt: skip
     result = made(axes, stated)
     assert result.settings["axes"] == about
     assert tilts(result) is counted
@@ -54,17 +53,13 @@ def test_the_limit_of_the_mounting_counts_for_the_mounting_plane_alone(
     assert [remark.blocks_pass for remark in blocking] == [True] * blocked
 
 
-def test_the_tilt_makes_a_cross_coupling_as_uncertain_as_it_is(
-    made: Callable[..., Calibration],
-) -> None:
+def test_the_tilt_makes_a_cross_coupling_as_uncertain_as_it_is(made):
     of_plane, of_fixture = (made(axes, True) for axes in ("mounting plane", "fixture"))
     u = [each.items["gyro_cross_coupling"].u["xy"] for each in (of_plane, of_fixture)]
     assert (u[0] ** 2 - u[1] ** 2) ** 0.5 == pytest.approx(2e-4 / 3**0.5, rel=1e-3)
 
 
-def test_a_budget_as_in_the_appendix_has_no_mounting_to_count(
-    ideal_run: Callable[..., Recording],
-) -> None:
+def test_a_budget_as_in_the_appendix_has_no_mounting_to_count(ideal_run):
     recording = ideal_run(dwell=1.0)
     example = evaluation_for(recording, EXAMPLE, {"mounting": MOUNTING})
     assert example.settings["axes"] == "fixture"

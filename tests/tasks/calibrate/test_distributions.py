@@ -42,7 +42,7 @@ def both(plant) -> dict[str, tuple[Calibration, Calibration]]:
 
 
 @pytest.mark.parametrize("name", METHODS)
-def test_where_items_are_nearly_linear_it_stands_beside_the_law_of_propagation(both, name) -> None:
+def test_where_items_are_nearly_linear_it_stands_beside_the_law_of_propagation(both, name):
     drawn_, gum = both[name]
     for item, each in drawn_.items.items():
         assert each.uncertainty_kind == "Monte Carlo"
@@ -59,7 +59,7 @@ def test_where_items_are_nearly_linear_it_stands_beside_the_law_of_propagation(b
             assert (low + high) / 2.0 == pytest.approx(budget.value, abs=0.1 * budget.u_c)
 
 
-def test_the_same_recording_gives_the_same_draws_and_every_element_its_own(plant, both) -> None:
+def test_the_same_recording_gives_the_same_draws_and_every_element_its_own(plant, both):
     recording = plant("ahrs_clean")
     one = replace(JJF1536, items=JJF1536.items[:1])
     again = items_only(one, recording, evaluation_for(recording, "Monte Carlo"))
@@ -78,7 +78,7 @@ def rate(u: float, sensitivity: float) -> Contribution:
     return Contribution(quantity, sensitivity)
 
 
-def test_p_of_a_poorly_known_rate_has_the_skew_of_one_over_its_square() -> None:
+def test_p_of_a_poorly_known_rate_has_the_skew_of_one_over_its_square():
     u, p = 0.2, 0.01
     found = Estimate(p, (observed(1e-9, "m"), rate(u, -2.0 * p)))
     budget = drawn("accel_rate_sensitivity", "xy", found, "digest")
@@ -93,7 +93,7 @@ def test_p_of_a_poorly_known_rate_has_the_skew_of_one_over_its_square() -> None:
     assert high > p + 1.3 * linear.U
 
 
-def test_a_gravity_hardly_known_divides_the_accelerometer_scale_factor() -> None:
+def test_a_gravity_hardly_known_divides_the_accelerometer_scale_factor():
     gravity = InputQuantity("g", "g", "m/s2", 1.0, "B", "rectangular")
     k, g = 1.1, 9.8
     found = Estimate(k, (observed(1e-9, "1"), Contribution(gravity, -k / g)))
@@ -102,13 +102,13 @@ def test_a_gravity_hardly_known_divides_the_accelerometer_scale_factor() -> None
     assert budget.coverage_interval == pytest.approx((k * g / (g + edge), k * g / (g - edge)), 0.01)
 
 
-def test_what_is_no_divisor_of_the_item_adds_up() -> None:
+def test_what_is_no_divisor_of_the_item_adds_up():
     found = Estimate(1e-3, (observed(1e-9, "rad/s"), rate(0.2, -2e-3)))
     low, high = drawn("gyro_fit_offset", "x", found, "digest").coverage_interval
     assert high - 1e-3 == pytest.approx(1e-3 - low, rel=0.02)
 
 
-def test_of_few_degrees_of_freedom_the_interval_settles_and_u_is_the_linear_one() -> None:
+def test_of_few_degrees_of_freedom_the_interval_settles_and_u_is_the_linear_one():
     found = Estimate(5.0, (observed(1.0, "1", 2.0),))
     budget = drawn("gyro_bias", "x", found, "digest")
     assert budget.u_c == 1.0
@@ -116,12 +116,12 @@ def test_of_few_degrees_of_freedom_the_interval_settles_and_u_is_the_linear_one(
     assert budget.k == pytest.approx(linear.k, rel=0.03)
 
 
-def test_an_element_that_nothing_makes_uncertain_is_not_drawn() -> None:
+def test_an_element_that_nothing_makes_uncertain_is_not_drawn():
     budget = drawn("gyro_bias", "x", Estimate(5.0, (observed(0.0, "1"),)), "digest")
     assert (budget.u_c, budget.U, budget.coverage_interval) == (0.0, 0.0, None)
 
 
-def test_every_symbol_of_a_divisor_is_one_of_the_equipment() -> None:
+def test_every_symbol_of_a_divisor_is_one_of_the_equipment():
     known = {"g", limit_of("time_base").symbol}
     known |= {limit.symbol for _, limit in with_rates_by_label(JJF2003.equipment, BOUND).rates}
     for equipment in (JJF2003.equipment, JJF1536.equipment):

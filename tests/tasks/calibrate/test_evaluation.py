@@ -1,7 +1,6 @@
-"""Every element of both specifications has a budget; a laboratory may choose how it is made."""
+"""Every element of both specifications has a budget; one coverage factor stands for an item."""
 
 import math
-from collections.abc import Callable
 
 import GTC
 import numpy as np
@@ -11,12 +10,15 @@ from schemas.base import Unusable
 from schemas.calibration import Budget, Calibration, Item
 from schemas.laboratory import EquipmentLimit
 from schemas.recording import Recording
-from tasks.calibrate.calibrate import evaluation_for
+from tasks.calibrate.calibrate import common_factor, evaluation_for, expanded
 from tasks.motion.table import EARTH_RATE
 from tasks.segments.rates import rate_by_command
 from tasks.specifications.register import specification_for
+from tasks.uncertainty.budget import combine, observed
 from tasks.uncertainty.monte_carlo import acquisition
 from tests.tasks.items_only import items_only
+
+# Every element of both specifications has a budget; a laboratory may choose how it is made.
 
 EXAMPLE = "as the specification's example"
 AGREES = 1e-6
@@ -65,7 +67,7 @@ def ahrs_noise(plant) -> Recording:
     return restated(recording, station=station, table_time=HOLDS)
 
 
-def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations) -> None:
+def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations):
     for calibration in calibrations.values():
         for name, item in calibration.items.items():
             assert item.uncertainty_kind == "GUM"
@@ -81,7 +83,7 @@ def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations) 
                 assert {"A"} <= kinds <= {"A", "B"}  # what the equipment does may cancel in a bias
 
 
-def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations) -> None:
+def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations):
     checked = 0
     for calibration in calibrations.values():
         for name, budget in budgets(calibration).items():
@@ -94,7 +96,7 @@ def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations) -> None:
     assert checked == 2 * 42 + 2 * 12
 
 
-def test_few_degrees_of_freedom_enlarge_the_coverage_factor_of_the_whole_item(real) -> None:
+def test_few_degrees_of_freedom_enlarge_the_coverage_factor_of_the_whole_item(real):
     recording = restated(real("vn200_imu0_rate_table"), table_time=HOLDS)
     item = calibrated(recording).items["gyro_scale_factor"]
     fewest = min(budget.dof for budget in item.budgets.values())
@@ -104,27 +106,27 @@ def test_few_degrees_of_freedom_enlarge_the_coverage_factor_of_the_whole_item(re
     assert item.k == round(item.k, 2)
 
 
-def test_many_degrees_of_freedom_leave_the_factor_two(calibrations) -> None:
+def test_many_degrees_of_freedom_leave_the_factor_two(calibrations):
     item = calibrations["plant_clean"].items["accel_cross_coupling"]
     assert all(budget.dof > 50 for budget in item.budgets.values())
     assert item.k == 2.0
 
 
-def test_the_repeatability_has_the_degrees_of_freedom_of_its_noise(calibrations) -> None:
+def test_the_repeatability_has_the_degrees_of_freedom_of_its_noise(calibrations):
     for name, budget in budgets(calibrations["plant_clean"]).items():
         (line,) = [each for each in budget.inputs if each.kind == "A"]
         assert 5 < line.dof < 1000, name
         assert line.distribution == "t"
 
 
-def test_scatter_beyond_the_noise_has_the_degrees_of_freedom_of_the_residuals(real) -> None:
+def test_scatter_beyond_the_noise_has_the_degrees_of_freedom_of_the_residuals(real):
     calibration = calibrated(real("ferraris_session"))
     assert "excess_scatter" in {remark.code for remark in calibration.remarks}
     line = calibration.items["accel_bias"].budgets["x"].inputs[0]
     assert line.dof == 6 - 4  # six positions, three inputs and a bias
 
 
-def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertainty(plant) -> None:
+def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertainty(plant):
     limit = EquipmentLimit(half_width=0.1, distribution="rectangular", source="a map")
     recording = plant("plant_clean")
     item = calibrated(recording, own={"latitude": limit}).items["gyro_g_sensitivity"]
@@ -137,7 +139,7 @@ def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertaint
     assert item.u_without_earth_rotation["xy"] == pytest.approx(item.u["xy"], rel=0.01)
 
 
-def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run) -> None:
+def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run):
     calibration = calibrated(restated(ideal_run(), standard="other"))
     (remark,) = [r for r in calibration.remarks if r.code == "equipment_unknown"]
     assert remark.blocks_pass
@@ -150,7 +152,7 @@ def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run) 
     assert calibration.settings["limits"] == "table and fixture not known"
 
 
-def test_a_laboratory_s_own_limits_are_used_and_named(ideal_run) -> None:
+def test_a_laboratory_s_own_limits_are_used_and_named(ideal_run):
     own = EquipmentLimit(half_width=1e-3, distribution="rectangular", source="certificate 7")
     calibration = calibrated(ideal_run(), own={"rate": own})
     assert calibration.settings["limit of rate"] == "0.001 (certificate 7)"
@@ -158,7 +160,7 @@ def test_a_laboratory_s_own_limits_are_used_and_named(ideal_run) -> None:
     assert u == pytest.approx(1e-3 / math.sqrt(3.0), rel=1e-3)
 
 
-def test_a_coarse_step_is_a_line_of_its_own(ideal_run) -> None:
+def test_a_coarse_step_is_a_line_of_its_own(ideal_run):
     recording = ideal_run(noise=0.0015, Ba=np.array([0.004, 0.003, 0.002]))
     step = 0.01
     columns = dict(recording.imu.columns)
@@ -186,9 +188,7 @@ def as_the_example(plant) -> Calibration:
 
 
 @pytest.mark.parametrize("item", SUMMED)
-def test_as_the_example_the_positions_are_added_linearly(
-    calibrations, as_the_example, item: str
-) -> None:
+def test_as_the_example_the_positions_are_added_linearly(calibrations, as_the_example, item):
     example = as_the_example.items[item]
     gum = calibrations["plant_clean"].items[item]
     count, _ = SUMMED[item]
@@ -204,7 +204,7 @@ def test_as_the_example_the_positions_are_added_linearly(
         assert budget.half_width_95 is None
 
 
-def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_run) -> None:
+def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_run):
     recording = ideal_run()
     plain = calibrated(recording, kind=EXAMPLE)
     assert plain.settings["effective bits"] == "12 (the example's)"
@@ -216,7 +216,7 @@ def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_r
 
 
 @pytest.mark.parametrize("bits", [0, "twelve", True, 1e9])
-def test_bits_that_are_no_number_of_bits_are_refused(ideal_run, bits) -> None:
+def test_bits_that_are_no_number_of_bits_are_refused(ideal_run, bits):
     recording = ideal_run()
     unit = recording.manifest.unit
     wrong = restated(
@@ -226,14 +226,12 @@ def test_bits_that_are_no_number_of_bits_are_refused(ideal_run, bits) -> None:
         evaluation_for(wrong)
 
 
-def test_the_same_recording_gives_the_same_budgets_to_the_last_digit(
-    ideal_run: Callable[..., Recording],
-) -> None:
+def test_the_same_recording_gives_the_same_budgets_to_the_last_digit(ideal_run):
     recording = ideal_run(noise=1e-4)
     assert budgets(calibrated(recording)) == budgets(calibrated(recording))
 
 
-def test_a_result_of_before_there_were_budgets_is_still_read(ideal_run) -> None:
+def test_a_result_of_before_there_were_budgets_is_still_read(ideal_run):
     old = calibrated(ideal_run()).model_dump(mode="json")
     for item in old["items"].values():
         del item["budgets"], item["u_without_earth_rotation"], item["U_without_earth_rotation"]
@@ -242,16 +240,14 @@ def test_a_result_of_before_there_were_budgets_is_still_read(ideal_run) -> None:
     assert Calibration.model_validate(old).items["gyro_bias"].budgets == {}
 
 
-def test_as_the_example_an_element_without_repeatability_has_no_uncertainty(real) -> None:
+def test_as_the_example_an_element_without_repeatability_has_no_uncertainty(real):
     bias = calibrated(real("vn200_imu1_rate_table"), kind=EXAMPLE).items["accel_bias"]
     assert bias.value["x"] is not None
     assert bias.U["x"] is None
 
 
 @pytest.mark.parametrize("method", ["jjf2003", "joint"])
-def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
-    plant, method: str
-) -> None:
+def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(plant, method):
     recording = plant("plant_clean")
     polled = restated(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
     evaluation = evaluation_for(polled)
@@ -264,9 +260,7 @@ def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(
 
 
 @pytest.mark.parametrize("method", ["jjf2003", "joint"])
-def test_a_commanded_rate_that_is_known_better_is_the_reference_with_its_own_limit(
-    plant, method: str
-) -> None:
+def test_a_commanded_rate_that_is_known_better_is_the_reference_with_its_own_limit(plant, method):
     recording, specification = plant("plant_clean"), specification_for("other", method)
 
     def item(half_width_s: float, within: float) -> Item:
@@ -285,7 +279,7 @@ def test_a_commanded_rate_that_is_known_better_is_the_reference_with_its_own_lim
         assert abs(better.value[element] - clean.value[element]) < better.U[element]
 
 
-def test_a_commanded_rate_that_the_angles_contradict_is_none(plant) -> None:
+def test_a_commanded_rate_that_the_angles_contradict_is_none(plant):
     recording = plant("plant_clean")
     bound = {"half_width": 2e-5, "distribution": "rectangular"}
     for half_width_s, is_believed in ((0.05, True), (1e-3, False)):
@@ -299,6 +293,26 @@ def test_a_commanded_rate_that_the_angles_contradict_is_none(plant) -> None:
 
 
 @pytest.mark.parametrize("stated", ["polled", {}, {"half_width_s": -1.0}, {"half_width_s": "0.1"}])
-def test_a_polled_encoders_time_that_is_none_is_refused(plant, stated: object) -> None:
+def test_a_polled_encoders_time_that_is_none_is_refused(plant, stated):
     with pytest.raises(Unusable, match=r"table_time\.half_width_s is"):
         evaluation_for(restated(plant("plant_clean"), table_time=stated))
+
+
+# One coverage factor for the elements of an item.
+
+
+def of_dof(dof: float):
+    return combine("b.x", "1", 1.0, [observed(0.5, "1", dof)])
+
+
+def test_the_element_of_the_fewest_degrees_of_freedom_sets_the_factor_of_all():
+    budgets = {"x": of_dof(5.0), "y": of_dof(200.0), "z": of_dof(12.0)}
+    k = common_factor(budgets)
+    assert k == 2.65  # Student's t of 5 dof at 95.45 %, 2.6487, rounded up
+    stated = expanded(budgets["y"], k)
+    assert (stated.k, stated.U) == (k, pytest.approx(2.65 * 0.5))
+
+
+def test_fifty_degrees_of_freedom_are_enough_for_two():
+    assert common_factor({"x": of_dof(50.0), "y": of_dof(1e4)}) == 2.0
+    assert common_factor({"x": of_dof(49.0), "y": of_dof(1e4)}) > 2.0

@@ -3,7 +3,7 @@
 import json
 import subprocess
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -77,8 +77,8 @@ def check_reproduced(folder: Path, result: Calibration, evidence: EvidenceFile) 
 
 @pytest.mark.parametrize("method", ["jjf2003", "joint", "jjf1536"])
 def test_every_value_and_its_uncertainty_of_a_simulated_run_follow_from_the_file_alone(
-    method: str, tmp_path: Path
-) -> None:
+    method, tmp_path
+):
     recording, _ = simulate(method, 11)
     result, evidence = made(method, recording)
     assert len(evidence.model_dump_json()) < MOST_BYTES
@@ -92,16 +92,14 @@ def test_every_value_and_its_uncertainty_of_a_simulated_run_follow_from_the_file
      ("jjf1536", "ahrs_clean")],
 )  # fmt: skip
 def test_every_value_and_its_uncertainty_of_a_shared_recording_follow_from_the_file_alone(
-    method: str, name: str, plant: Callable[[str], Recording], tmp_path: Path
-) -> None:
+    method, name, plant, tmp_path
+):
     result, evidence = made(method, plant(name))
     assert len(evidence.model_dump_json()) < MOST_BYTES
     check_reproduced(tmp_path, result, evidence)
 
 
-def test_points_that_scatter_and_fits_that_are_not_linear_are_told(
-    real: Callable[[str], Recording], tmp_path: Path
-) -> None:
+def test_points_that_scatter_and_fits_that_are_not_linear_are_told(real, tmp_path):
     recording = real("vn200_imu0_rate_table")
     holds = {"commanded_rate": {"half_width": 1e-5, "distribution": "rectangular"}}
     manifest = recording.manifest.model_copy(update={"table_time": holds})
@@ -115,13 +113,11 @@ def test_points_that_scatter_and_fits_that_are_not_linear_are_told(
 
 
 @pytest.fixture(scope="module")
-def earth(plant: Callable[[str], Recording]) -> tuple[Calibration, EvidenceFile]:
+def earth(plant) -> tuple[Calibration, EvidenceFile]:
     return made("jjf2003", plant("plant_earth_rotation"))
 
 
-def test_the_script_computes_what_it_prints(
-    earth: tuple[Calibration, EvidenceFile], tmp_path: Path
-) -> None:
+def test_the_script_computes_what_it_prints(earth, tmp_path):
     """A mean that is moved moves each value by its weight, a larger prior its line alone."""
     _, evidence = earth
     before, document = table(tmp_path, evidence), evidence.model_dump(mode="json")
@@ -168,8 +164,8 @@ def tolerance(result: Calibration, rule: str) -> Tolerance:
 
 @pytest.mark.parametrize("rule", ["simple_acceptance", "guard_band"])
 def test_the_script_decides_as_the_laboratory_by_the_rule_of_the_file_and_by_another(
-    rule: str, earth: tuple[Calibration, EvidenceFile], tmp_path: Path
-) -> None:
+    rule, earth, tmp_path
+):
     result, evidence = earth
     other = {"simple_acceptance": "guard_band", "guard_band": "simple_acceptance"}[rule]
     of_file, by_other = (decide(result, tolerance(result, each)) for each in (rule, other))
@@ -184,9 +180,7 @@ def test_the_script_decides_as_the_laboratory_by_the_rule_of_the_file_and_by_ano
     assert verdicts == {"pass", "fail", "inconclusive"}
 
 
-def test_the_script_decides_by_a_customers_own_limits(
-    earth: tuple[Calibration, EvidenceFile], tmp_path: Path
-) -> None:
+def test_the_script_decides_by_a_customers_own_limits(earth, tmp_path):
     result, evidence = earth
     own = tmp_path / "limits.json"
     value, U = (result.items["gyro_bias"].model_dump()[each]["x"] for each in ("value", "U"))
@@ -207,9 +201,7 @@ def test_the_script_decides_by_a_customers_own_limits(
      (b'{"format": "mimu-calibration/1"}', "'mimu-calibration/1', not 'mimu-evidence/1'"),
      (b"\xff\xfe", "cannot be read as JSON")],
 )  # fmt: skip
-def test_the_script_says_in_a_sentence_what_is_no_evidence_file(
-    content: bytes, sentence: str, tmp_path: Path
-) -> None:
+def test_the_script_says_in_a_sentence_what_is_no_evidence_file(content, sentence, tmp_path):
     (tmp_path / "damaged.json").write_bytes(content)
     done = run(tmp_path, "damaged.json")
     assert (done.returncode, done.stdout) == (1, "")
@@ -217,9 +209,7 @@ def test_the_script_says_in_a_sentence_what_is_no_evidence_file(
     assert done.stderr.count("\n") == 1
 
 
-def test_a_result_of_another_day_or_way_has_no_evidence_file(
-    earth: tuple[Calibration, EvidenceFile], plant: Callable[[str], Recording]
-) -> None:
+def test_a_result_of_another_day_or_way_has_no_evidence_file(earth, plant):
     result, _ = earth
     recording = plant("plant_earth_rotation")
     specification, evaluation = specification_for("JJF 2003-2022", None), evaluation_for(recording)

@@ -6,16 +6,12 @@ the rate about another one, gravity that is off by δ makes an accelerometer's K
 """
 
 import math
-from collections.abc import Callable
 
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from schemas.laboratory import LimitShape
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import evaluation_for, without_information
-from tasks.specifications.estimate import Specification
 from tasks.specifications.evidence import ClauseEvidence
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.evidence import AhrsEvidence
@@ -29,7 +25,7 @@ SHOWN = 1 - 1e-9  # rounding
 
 
 @pytest.fixture(scope="module")
-def evidence(ideal_run: Callable[..., Recording]) -> ClauseEvidence:
+def evidence(ideal_run) -> ClauseEvidence:
     return JJF2003.gather(ideal_run(dwell=1.0, noise=1e-6))
 
 
@@ -45,13 +41,7 @@ def ahrs_evidence() -> AhrsEvidence:
     fixture=st.floats(0.1 * ARCSECOND, 600 * ARCSECOND),
     gravity=st.floats(1e-6, 1e-1),
 )
-def test_an_error_at_its_limit_stays_within_u(
-    evidence: ClauseEvidence,
-    specification: Specification,
-    rate: float,
-    fixture: float,
-    gravity: float,
-) -> None:
+def test_an_error_at_its_limit_stays_within_u(evidence, specification, rate, fixture, gravity):
     own = as_table_1(rate=rate, fixture=fixture)
     own["gravity"] = own["rate"].model_copy(update={"half_width": gravity})
     evaluation = evaluation_for(evidence.recording, own=own)
@@ -72,9 +62,7 @@ def test_an_error_at_its_limit_stays_within_u(
     fixture=st.floats(0.1 * ARCSECOND, 600 * ARCSECOND),
     shape=st.sampled_from(["normal", "rectangular"]),
 )
-def test_the_same_holds_of_a_unit_that_accumulates_angles(
-    ahrs_evidence: AhrsEvidence, rate: float, fixture: float, shape: LimitShape
-) -> None:
+def test_the_same_holds_of_a_unit_that_accumulates_angles(ahrs_evidence, rate, fixture, shape):
     own = as_table_1(rate=rate, fixture=fixture)
     own = {name: limit.model_copy(update={"distribution": shape}) for name, limit in own.items()}
     evaluation = evaluation_for(ahrs_evidence.recording, own=own)

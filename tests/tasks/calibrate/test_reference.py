@@ -83,9 +83,7 @@ def simulated() -> tuple[Recording, np.ndarray]:
 
 @pytest.mark.parametrize("specification", [JJF2003, JOINT], ids=["clauses", "joint"])
 @pytest.mark.parametrize("encoders", [True, False], ids=["encoders", "labels"])
-def test_a_table_that_deviates_is_corrected_by_its_certificate(
-    simulated: tuple[Recording, np.ndarray], specification: Specification, encoders: bool
-) -> None:
+def test_a_table_that_deviates_is_corrected_by_its_certificate(simulated, specification, encoders):
     exact, scale = simulated
     exact = exact if encoders else replace(exact, table=None)
     wrong = on_wrong_table(exact, scale, deviates)
@@ -102,7 +100,7 @@ def test_a_table_that_deviates_is_corrected_by_its_certificate(
         assert left[axis] - right[axis] == pytest.approx(-off * right[axis], rel=0.02)
 
 
-def test_a_unit_that_accumulates_angles_is_corrected_too() -> None:
+def test_a_unit_that_accumulates_angles_is_corrected_too():
     recording = simulate("jjf1536", 3)[0]
     rates = {abs(s.rate_deg_s) for s in recording.manifest.segments or () if s.rate_deg_s}
     rows = [{"at": at, "deviation": 3e-4, "U": 1e-5} for at in (min(rates), max(rates))]
@@ -115,9 +113,7 @@ def test_a_unit_that_accumulates_angles_is_corrected_too() -> None:
 
 @settings(max_examples=10, suppress_health_check=[HealthCheck.function_scoped_fixture])
 @given(coefficients=st.lists(st.floats(-1e-5, 1e-5), min_size=1, max_size=3))
-def test_a_polynomial_is_taken_off_whatever_its_shape(
-    ideal_run: Callable[..., Recording], coefficients: list[float]
-) -> None:
+def test_a_polynomial_is_taken_off_whatever_its_shape(ideal_run, coefficients):
     exact = ideal_run(dwell=1.0)
     polynomial = {
         "coefficients": [c / 300.0**n for n, c in enumerate(coefficients)],
@@ -134,9 +130,7 @@ def test_a_polynomial_is_taken_off_whatever_its_shape(
 
 
 @pytest.mark.parametrize("how", ["corrected", "budgeted"])
-def test_u_of_the_rate_is_that_of_a_hand_computation(
-    ideal_run: Callable[..., Recording], how: str
-) -> None:
+def test_u_of_the_rate_is_that_of_a_hand_computation(ideal_run, how):
     """u(K) = Σ ω²·u(ω) / Σ ω²: one error of the table, as large as is stated at each rate."""
     drift = {"per_year": 2e-5, "distribution": "rectangular"}
     paper = standard("rate", {"deviation": how, "k": 2.5, "rows": TABLE, "drift": drift})
@@ -156,7 +150,7 @@ def test_u_of_the_rate_is_that_of_a_hand_computation(
     assert line.source == f"C-9 (T-1): deviation {how}, drift over {years:.2f} a"
 
 
-def test_drift_grows_with_the_age_of_the_certificate() -> None:
+def test_drift_grows_with_the_age_of_the_certificate():
     drift = {"per_year": 1e-4, "distribution": "normal"}
     paper = standard("time_base", {
         "deviation": "corrected", "rows": [{"deviation": 1e-5, "U": 2e-5}], "drift": drift,
@@ -166,7 +160,7 @@ def test_drift_grows_with_the_age_of_the_certificate() -> None:
         assert limit.half_width == pytest.approx(math.hypot(2e-5, 1e-4 * days / 365.25))
 
 
-def test_a_drift_since_an_unknown_day_lasts_until_the_certificate_runs_out() -> None:
+def test_a_drift_since_an_unknown_day_lasts_until_the_certificate_runs_out():
     drift = {"per_year": 1e-4, "distribution": "normal"}
     function = {"deviation": "corrected", "rows": [{"deviation": 0.0, "U": 1e-9}], "drift": drift}
     until = standard("gravity", function, valid_until=date(2028, 2, 29))
@@ -175,9 +169,7 @@ def test_a_drift_since_an_unknown_day_lasts_until_the_certificate_runs_out() -> 
         stated_limits([standard("gravity", function)], None)
 
 
-def test_encoders_are_corrected_axis_by_axis_at_their_angle(
-    simulated: tuple[Recording, np.ndarray],
-) -> None:
+def test_encoders_are_corrected_axis_by_axis_at_their_angle(simulated):
     """A middle axis that shows 1 mrad too much at 90°, and nothing wrong at 0°."""
     exact, _ = simulated
     rows = [{"axis": axis.name, "at": at, "deviation": 1e-3 if k == 1 and at == 90.0 else 0.0,
@@ -195,9 +187,7 @@ def test_encoders_are_corrected_axis_by_axis_at_their_angle(
         assert np.abs(moved[np.abs(np.degrees(column)) < 1e-6]).max() < 1e-9
 
 
-def test_encoders_that_deviate_by_a_known_function_give_the_truth_once_corrected(
-    simulated: tuple[Recording, np.ndarray],
-) -> None:
+def test_encoders_that_deviate_by_a_known_function_give_the_truth_once_corrected(simulated):
     """The table stands where it stood, and its inner axis shows 2e-4·sin² of its angle too much.
 
     With x up or down gravity is then looked for 2e-4 beside x, with y up or down where it is: a
@@ -228,7 +218,7 @@ def test_encoders_that_deviate_by_a_known_function_give_the_truth_once_corrected
         assert corrected[element] == pytest.approx(value, abs=1e-6)
 
 
-def test_gravity_and_the_clock_are_corrected(ideal_run: Callable[..., Recording]) -> None:
+def test_gravity_and_the_clock_are_corrected(ideal_run):
     exact = ideal_run(dwell=1.0)
     g = exact.manifest.station.gravity_m_s2
     one = {"deviation": "corrected", "rows": [{"deviation": 1e-3, "U": 1e-5}]}
@@ -244,9 +234,7 @@ def test_gravity_and_the_clock_are_corrected(ideal_run: Callable[..., Recording]
     assert ends[1] == pytest.approx(ends[0] / 1.001)
 
 
-def test_a_rate_beyond_the_certificate_is_refused_whether_corrected_or_not(
-    ideal_run: Callable[..., Recording],
-) -> None:
+def test_a_rate_beyond_the_certificate_is_refused_whether_corrected_or_not(ideal_run):
     for how in ("corrected", "budgeted"):
         paper = standard("rate", {"deviation": how, "rows": TABLE[:2]})
         with pytest.raises(Unusable) as refused:
@@ -256,9 +244,7 @@ def test_a_rate_beyond_the_certificate_is_refused_whether_corrected_or_not(
         assert "held at 300 °/s" in str(refused.value)
 
 
-def test_what_the_recording_does_not_show_is_not_corrected_in_silence(
-    ideal_run: Callable[..., Recording],
-) -> None:
+def test_what_the_recording_does_not_show_is_not_corrected_in_silence(ideal_run):
     exact = ideal_run(dwell=1.0)
     rows = [{"at": at, "deviation": 1e-5, "U": 1e-5} for at in (0.0, 360.0)]
     with pytest.raises(Unusable, match="no encoders that it could be taken off"):
@@ -271,15 +257,13 @@ def test_what_the_recording_does_not_show_is_not_corrected_in_silence(
         as_certified(unlabelled, [standard("rate", {"deviation": "corrected", "rows": TABLE})])
 
 
-def test_what_a_laboratory_states_itself_leaves_the_function_alone(
-    ideal_run: Callable[..., Recording],
-) -> None:
+def test_what_a_laboratory_states_itself_leaves_the_function_alone(ideal_run):
     exact = ideal_run(dwell=1.0)
     paper = standard("rate", {"deviation": "corrected", "rows": TABLE[:2]})
     assert as_certified(exact, [paper], own=("rate",)) is exact
 
 
-def test_two_functions_of_one_property_are_refused(ideal_run: Callable[..., Recording]) -> None:
+def test_two_functions_of_one_property_are_refused(ideal_run):
     paper = standard("rate", {"deviation": "corrected", "rows": TABLE})
     with pytest.raises(Unusable, match="both state the error of rate"):
         as_certified(ideal_run(dwell=1.0), [paper, paper])

@@ -64,7 +64,7 @@ def tolerance(limit: float) -> Tolerance:
     )  # fmt: skip
 
 
-def test_a_toy_has_values_uncertainties_and_its_own_conditions(ideal_run) -> None:
+def test_a_toy_has_values_uncertainties_and_its_own_conditions(ideal_run):
     bias = [0.001, -0.002, 0.003]
     made = calibrate(TOY, ideal_run(Bg=bias), run="r", code_version="v")
     assert list(made.items) == ["gyro_bias"]
@@ -75,13 +75,13 @@ def test_a_toy_has_values_uncertainties_and_its_own_conditions(ideal_run) -> Non
     assert made.procedure == "toy"
 
 
-def test_a_toy_is_decided_on(ideal_run) -> None:
+def test_a_toy_is_decided_on(ideal_run):
     made = calibrate(TOY, ideal_run(Bg=[0.01, 0.0, 0.0]), run="r", code_version="v")
     assert decide(made, tolerance(0.1)).verdict == "fail"
     assert all(d.verdict == "pass" for d in decide(made, tolerance(1.0)).limits)
 
 
-def test_a_toy_is_laid_out_for_a_certificate_in_every_language(ideal_run) -> None:
+def test_a_toy_is_laid_out_for_a_certificate_in_every_language(ideal_run):
     made = calibrate(TOY, ideal_run(Bg=[0.01, 0.0, 0.0]), run="r", code_version="v")
     (section,) = sections(made, decide(made, tolerance(1.0)), TOY)
     assert [say(section.title, language) for language in ("en", "zh")] == ["Biases", "零偏"]

@@ -4,8 +4,6 @@ from collections.abc import Iterable
 from datetime import date
 from typing import Any
 
-import numpy as np
-
 from schemas.calibration import Calibration, EnvironmentSeen, Item
 from schemas.certificate import AsFound, Certificate, Laboratory, Order, Party
 from schemas.laboratory import MeasurementStandard
@@ -16,9 +14,8 @@ from tasks.certificate.content import Content, in_languages
 from tasks.certificate.content import content as content_of
 from tasks.conformity import decide
 from tasks.specifications.estimate import BY_INPUT_AXIS, MATRIX_ELEMENTS, OFF_DIAGONAL_ELEMENTS
-from tasks.uncertainty.budget import combine, observed
+from tasks.uncertainty.budget import Contribution, combine, observed
 from tasks.uncertainty.equipment import JJF2003
-from tests.tasks.uncertainty import closed_formulas
 
 AXES = ("x", "y", "z")
 
@@ -72,10 +69,10 @@ def items() -> dict[str, Item]:
 
 def with_budgets(made: dict[str, Item]) -> dict[str, Item]:
     """The items with a budget of seven lines for each element, k above two."""
-    lines = closed_formulas.turning_axis(JJF2003, 0.98)
-    rate = closed_formulas.turning_rate(
-        JJF2003, 1.0, np.array([1.0]), np.array([5.2]), np.array([30.0])
-    )
+    tilts = (*JJF2003.angles, JJF2003.axes, JJF2003.fixture)
+    sensitivities = [(JJF2003.rates[0][1], -5.2), (JJF2003.ripple, 1 / 30)]
+    sensitivities += [(tilt, 0.98) for tilt in tilts]
+    lines = [Contribution(limit.quantity, c) for limit, c in sensitivities if limit is not None]
     return {
         name: each.model_copy(
             update={
@@ -83,7 +80,7 @@ def with_budgets(made: dict[str, Item]) -> dict[str, Item]:
                 "uncertainty_kind": "GUM",
                 "budgets": {
                     e: combine(f"{name}.{e}", each.unit, v, [observed(6.1e-5, each.unit, 18.5),
-                                                            *rate, *lines])
+                                                            *lines])
                     for e, v in each.value.items() if v is not None
                 },
             }

@@ -1,13 +1,11 @@
 """The pages after Appendix C of JJF 1536-2015: order, wording, positions, turns."""
 
-from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any
 
 import pytest
 
 from schemas.certificate import Certificate
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.content import Content
 from tasks.conformity import decide
@@ -20,14 +18,14 @@ ORDER = [("X", "Y", "yx"), ("X", "Z", "zx"), ("Y", "X", "xy"), ("Y", "Z", "zy"),
 
 
 @pytest.fixture(scope="module")
-def made(plant: Callable[[str], Recording]) -> Certificate:
+def made(plant) -> Certificate:
     recording = plant("ahrs_clean")
     result = calibrate(JJF1536, recording, run="r1", code_version="test")
     return certificate(result, decide(result, None), manifest=recording.manifest)
 
 
 @pytest.fixture(scope="module")
-def written(made: Certificate) -> Content:
+def written(made) -> Content:
     return content(made)
 
 

@@ -1,13 +1,11 @@
 """What the client reads, and what stands in the annex for the laboratory."""
 
 import re
-from collections.abc import Callable
 
 import pypdfium2
 import pytest
 
 from schemas.certificate import Certificate
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
@@ -43,7 +41,7 @@ def parts(made: Certificate, language: str) -> tuple[list[str], list[str]]:
 
 
 @pytest.fixture(scope="module", params=list(RECORDINGS))
-def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> Certificate:
+def made(request, plant) -> Certificate:
     recording = plant(RECORDINGS[request.param])
     result = calibrate(BY_STANDARD[request.param], recording, run="r1", code_version="test")
     curves = curves_of_run(recording, result)
@@ -54,9 +52,7 @@ def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> C
 
 
 @pytest.mark.parametrize("language", ["en", "zh"])
-def test_what_concerns_the_laboratory_alone_stands_in_the_annex(
-    made: Certificate, language: str
-) -> None:
+def test_what_concerns_the_laboratory_alone_stands_in_the_annex(made, language):
     main, annex = parts(made, language)
     assert len(main) <= MOST_PAGES
     before = re.sub(r"An annex follows:.*|后附附录：.*", "", " ".join(main))
@@ -65,7 +61,7 @@ def test_what_concerns_the_laboratory_alone_stands_in_the_annex(
     assert last in annex[-1]
 
 
-def test_page_numbers_go_through_both_parts(made: Certificate) -> None:
+def test_page_numbers_go_through_both_parts(made):
     main, annex = parts(made, "en")
     pages = [*main, *annex]
     assert [f"Page {n} of {len(pages)}" in text for n, text in enumerate(pages, 1)] == [True] * len(

@@ -1,12 +1,10 @@
 """What a certificate cites: clauses and equations of its own specification and of no other."""
 
 import re
-from collections.abc import Callable
 from dataclasses import asdict
 
 import pytest
 
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.content import Content
 from tasks.conformity import decide
@@ -39,9 +37,7 @@ CITED = re.compile(r"(?<![\d.(])([5-9]\.\d(?:\.\d){0,2})(?![\d.]|\s*[×·%°])")
 
 
 @pytest.fixture(scope="module", params=list(RECORDINGS))
-def made(
-    request: pytest.FixtureRequest, plant: Callable[[str], Recording]
-) -> tuple[str, Content, dict[str, str]]:
+def made(request, plant) -> tuple[str, Content, dict[str, str]]:
     """The specification, what its certificate says, and the clause of each item."""
     standard = request.param
     recording = plant(RECORDINGS[standard])
@@ -50,7 +46,7 @@ def made(
     return standard, written, {name: item.clause for name, item in result.items.items()}
 
 
-def test_each_item_cites_the_equations_of_its_own_specification(made) -> None:
+def test_each_item_cites_the_equations_of_its_own_specification(made):
     standard, _, clauses = made
     for name, clause in clauses.items():
         assert clause.startswith(standard) or re.match(r"\d", clause), (name, clause)
@@ -60,21 +56,21 @@ def test_each_item_cites_the_equations_of_its_own_specification(made) -> None:
         assert set(CITED.findall(clause)) <= CLAUSES[standard], (name, clause)
 
 
-def test_nothing_on_the_certificate_names_the_other_specification(made) -> None:
+def test_nothing_on_the_certificate_names_the_other_specification(made):
     standard, written, _ = made
     text = str(asdict(written))
     others = {"JJF 2003", "JJF 1536"} - {standard[:8]}
     assert not [other for other in others if other in text]
 
 
-def test_every_reading_cites_clauses_that_its_specification_has(made) -> None:
+def test_every_reading_cites_clauses_that_its_specification_has(made):
     standard, written, _ = made
     for row in written.readings:
         found = set(CITED.findall(row.clause[1].removeprefix(standard)))
         assert found <= CLAUSES[standard], row.clause
 
 
-def test_sentences_under_the_results_speak_of_equations_of_their_own_item(made) -> None:
+def test_sentences_under_the_results_speak_of_equations_of_their_own_item(made):
     """Groups stand in the order of the items of their section."""
     standard, written, _ = made
     largest = 13 if standard.startswith("JJF 2003") else 17

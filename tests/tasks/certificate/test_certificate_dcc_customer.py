@@ -3,7 +3,7 @@
 import math
 import os
 from collections import Counter
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -13,7 +13,6 @@ from dcclib.conversion import JSONConverter
 from lxml import etree
 
 from schemas.laboratory import ErrorBound
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.dcc import dcc_of
 from tasks.conformity import decide
@@ -37,14 +36,14 @@ def of_type(root: Any, ref_type: str, tag: str = "dcc:quantity") -> list[Any]:
 
 
 @pytest.fixture(scope="module", params=list(RECORDINGS))
-def made(request: pytest.FixtureRequest, plant: Callable[[str], Recording]) -> Any:
+def made(request, plant) -> Any:
     recording = plant(RECORDINGS[request.param])
     result = calibrate(BY_STANDARD[request.param], recording, run="r1", code_version="test")
     curves = curves_of_run(recording, result)
     return certificate(result, decide(result, None), manifest=recording.manifest, curves=curves)
 
 
-def test_an_element_is_found_by_its_ref_type_alone_with_value_and_u_in_si(made: Any) -> None:
+def test_an_element_is_found_by_its_ref_type_alone_with_value_and_u_in_si(made):
     root = etree.fromstring(dcc_of(made))
     gravity = made.manifest.station.gravity_m_s2
     looked_up = 0
@@ -63,7 +62,7 @@ def test_an_element_is_found_by_its_ref_type_alone_with_value_and_u_in_si(made: 
     assert looked_up == {"jjf2003": 42, "jjf1536": 12}[made.calibration.method]
 
 
-def test_no_two_values_of_a_result_have_the_same_ref_type(made: Any) -> None:
+def test_no_two_values_of_a_result_have_the_same_ref_type(made):
     root = etree.fromstring(dcc_of(made))
     own = [
         token
@@ -75,7 +74,7 @@ def test_no_two_values_of_a_result_have_the_same_ref_type(made: Any) -> None:
     assert [token for token, n in Counter(own).items() if n > 1 and token not in limits] == []
 
 
-def test_a_curve_is_found_by_its_figure_quantity_and_axis(made: Any) -> None:
+def test_a_curve_is_found_by_its_figure_quantity_and_axis(made):
     root = etree.fromstring(dcc_of(made))
     for curve in made.curves:
         (found,) = of_type(
@@ -85,7 +84,7 @@ def test_a_curve_is_found_by_its_figure_quantity_and_axis(made: Any) -> None:
         assert [len(each.text.split()) for each in listed] == [len(curve.x), len(curve.y)]
 
 
-def test_the_limits_of_a_standard_are_numbers_with_their_units() -> None:
+def test_the_limits_of_a_standard_are_numbers_with_their_units():
     table = laboratory().equipment[0].model_copy(
         update={
             "limits": {
@@ -111,8 +110,8 @@ def test_the_limits_of_a_standard_are_numbers_with_their_units() -> None:
 
 @pytest.mark.skipif(not SCHEMAS.is_dir(), reason="the DCC schemas are not here")
 def test_the_converter_of_dcclib_gives_the_same_value_under_the_same_ref_type(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    tmp_path, monkeypatch
+):
     """It reads the schemas of ptb.de from its cache, where ours take their place."""
     for source in SCHEMAS.resolve().iterdir():
         (tmp_path / source.name.removeprefix("v")).symlink_to(source)

@@ -37,12 +37,12 @@ def needs(program: str) -> pytest.MarkDecorator:
 
 
 @pytest.fixture(scope="module", params=["rsa", "elliptic"])
-def seal(request: pytest.FixtureRequest) -> Keys:
+def seal(request) -> Keys:
     return keys(elliptic=request.param == "elliptic")
 
 
 @pytest.fixture(scope="module")
-def files(seal: Keys, tmp_path_factory: pytest.TempPathFactory) -> Path:
+def files(seal, tmp_path_factory) -> Path:
     """The three files of a signed certificate, and the certificate of the authority."""
     folder = tmp_path_factory.mktemp("signed")
     write(faces_of(certificate(), opened(seal, folder)), folder)
@@ -51,7 +51,7 @@ def files(seal: Keys, tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def sealed(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def sealed(tmp_path_factory) -> Path:
     """The files under an elliptic key, for what is the same under every key."""
     folder = tmp_path_factory.mktemp("sealed")
     write(faces_of(certificate(), opened(keys(elliptic=True), folder)), folder)
@@ -59,7 +59,7 @@ def sealed(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 @pytest.fixture(scope="module")
-def unsigned(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def unsigned(tmp_path_factory) -> Path:
     folder = tmp_path_factory.mktemp("unsigned")
     write(faces_of(certificate(), None), folder)
     return folder
@@ -82,7 +82,7 @@ def run(*command: object) -> str:
 
 
 @needs("pdfsig")
-def test_pdfsig_finds_the_signature_of_the_pdf_good_and_over_all_of_it(files: Path) -> None:
+def test_pdfsig_finds_the_signature_of_the_pdf_good_and_over_all_of_it(files):
     found = run("pdfsig", "-nocert", files / "c.pdf")
     assert "Signature is Valid" in found
     assert "Total document signed" in found
@@ -91,7 +91,7 @@ def test_pdfsig_finds_the_signature_of_the_pdf_good_and_over_all_of_it(files: Pa
 
 
 @needs("xmlsec1")
-def test_xmlsec1_finds_the_signature_of_the_dcc_good_under_its_authority(files: Path) -> None:
+def test_xmlsec1_finds_the_signature_of_the_dcc_good_under_its_authority(files):
     verify = ("xmlsec1", "--verify", "--trusted-pem", files / "authority.pem",
               "--verification-time", "2026-11-22 00:00:00",
               "--id-attr:Id", KEY_INFO, "--id-attr:Id", PROPERTIES)  # fmt: skip
@@ -102,9 +102,7 @@ def test_xmlsec1_finds_the_signature_of_the_dcc_good_under_its_authority(files: 
 
 
 @pytest.mark.parametrize("name", ["c.pdf", "c.xml", "c.json"])
-def test_every_file_of_a_signed_certificate_is_whole_by_itself(
-    files: Path, seal: Keys, name: str
-) -> None:
+def test_every_file_of_a_signed_certificate_is_whole_by_itself(files, seal, name):
     found = verify_file(files / name, [seal.authority_der()])
     assert found.faults == ()
     assert (found.number, found.state) == ("MIMU-2026-0042", "issued")
@@ -114,24 +112,18 @@ def test_every_file_of_a_signed_certificate_is_whole_by_itself(
 
 
 @pytest.mark.parametrize("name", ["c.pdf", "c.xml", "c.json"])
-def test_a_certificate_that_is_to_be_signed_by_hand_is_whole_and_says_so(
-    unsigned: Path, name: str
-) -> None:
+def test_a_certificate_that_is_to_be_signed_by_hand_is_whole_and_says_so(unsigned, name):
     found = verify_file(unsigned / name)
     assert (found.faults, found.signatures) == ((), ())
     assert "To be signed by hand" in text_of(unsigned / "c.pdf")
 
 
 @pytest.mark.parametrize(("name", "bytes_"), [("c.pdf", 12), ("c.xml", 40), ("c.json", 8)])
-def test_one_flipped_byte_is_found_wherever_it_is(
-    sealed: Path, tmp_path: Path, name: str, bytes_: int
-) -> None:
+def test_one_flipped_byte_is_found_wherever_it_is(sealed, tmp_path, name, bytes_):
     assert missed(sealed, tmp_path, name, bytes_, lambda content, n: n) == []
 
 
-def test_one_flipped_byte_within_the_signatures_themselves_is_found(
-    files: Path, tmp_path: Path
-) -> None:
+def test_one_flipped_byte_within_the_signatures_themselves_is_found(files, tmp_path):
     def in_xml(content: bytes, n: int) -> int:
         return content.index(b"<ds:Signature") + n % (len(content) - content.index(b"<ds:Sig") - 40)
 
@@ -147,9 +139,7 @@ def test_one_flipped_byte_within_the_signatures_themselves_is_found(
 
 @pytest.mark.rehearsal
 @pytest.mark.parametrize(("name", "bytes_"), [("c.pdf", 5), ("c.xml", 30), ("c.json", 5)])
-def test_one_flipped_byte_is_found_without_any_signature(
-    unsigned: Path, tmp_path: Path, name: str, bytes_: int
-) -> None:
+def test_one_flipped_byte_is_found_without_any_signature(unsigned, tmp_path, name, bytes_):
     assert missed(unsigned, tmp_path, name, bytes_, lambda content, n: n) == []
 
 
@@ -170,24 +160,22 @@ def missed(
     return unseen
 
 
-def test_what_is_added_behind_the_signature_is_found(sealed: Path, tmp_path: Path) -> None:
+def test_what_is_added_behind_the_signature_is_found(sealed, tmp_path):
     writer = pypdf.PdfWriter(io.BytesIO((sealed / "c.pdf").read_bytes()), incremental=True)
     writer.add_metadata({"/Subject": "passed"})
     writer.write(tmp_path / "c.pdf")
     assert verify_file(tmp_path / "c.pdf").faults
 
 
-def test_a_certificate_that_another_authority_signed_is_whole_but_not_trusted(
-    sealed: Path,
-) -> None:
+def test_a_certificate_that_another_authority_signed_is_whole_but_not_trusted(sealed):
     other = keys(elliptic=True, authority="Another Root").authority_der()
     for name in ("c.pdf", "c.xml"):
         assert fault(verify_file(sealed / name, [other])).endswith("authority that you trust")
 
 
 def test_results_of_the_dcc_that_are_not_those_of_its_record_are_found_under_a_good_signature(
-    tmp_path: Path,
-) -> None:
+    tmp_path,
+):
     from tasks.certificate.dcc import dcc_of
     from tasks.certificate.sign import sign_xml
 
@@ -197,7 +185,7 @@ def test_results_of_the_dcc_that_are_not_those_of_its_record_are_found_under_a_g
     assert found == "the results of the DCC are not those of the record within it"
 
 
-def test_the_qr_code_holds_the_number_and_the_hash_of_the_record(sealed: Path) -> None:
+def test_the_qr_code_holds_the_number_and_the_hash_of_the_record(sealed):
     found = verify_file(sealed / "c.json")
     codes = [
         code.text
@@ -208,9 +196,7 @@ def test_the_qr_code_holds_the_number_and_the_hash_of_the_record(sealed: Path) -
     assert codes[0] in text_of(sealed / "c.pdf")
 
 
-def test_the_signed_pdf_still_says_that_it_is_pdf_a_3b_with_the_dcc_as_its_alternative(
-    sealed: Path,
-) -> None:
+def test_the_signed_pdf_still_says_that_it_is_pdf_a_3b_with_the_dcc_as_its_alternative(sealed):
     reader = pypdf.PdfReader(sealed / "c.pdf")
     root, xmp = reader.trailer["/Root"], reader.xmp_metadata
     assert (xmp.pdfaid_part, xmp.pdfaid_conformance) == ("3", "B")
@@ -227,7 +213,7 @@ def test_the_signed_pdf_still_says_that_it_is_pdf_a_3b_with_the_dcc_as_its_alter
             assert not flags & (1 | 2 | 32)  # neither hidden nor invisible nor kept off the screen
 
 
-def test_a_key_that_has_expired_or_is_not_valid_yet_is_refused(tmp_path: Path) -> None:
+def test_a_key_that_has_expired_or_is_not_valid_yet_is_refused(tmp_path):
     (tmp_path / "seal.p12").write_bytes(keys(elliptic=True, days=30).pkcs12())
     settings = SigningSettings(pkcs12="seal.p12")
     for at in (NOW + timedelta(days=40), NOW - timedelta(days=2)):
@@ -236,9 +222,7 @@ def test_a_key_that_has_expired_or_is_not_valid_yet_is_refused(tmp_path: Path) -
 
 
 @pytest.mark.parametrize("passphrase", [None, "wrong"])
-def test_a_key_that_does_not_open_is_refused_in_one_sentence(
-    tmp_path: Path, passphrase: str | None, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_key_that_does_not_open_is_refused_in_one_sentence(tmp_path, passphrase, monkeypatch):
     logged = io.StringIO()  # logging's own stream for what nobody takes, as in the command line
     monkeypatch.setattr(logging, "lastResort", logging.StreamHandler(logged))
     monkeypatch.setattr(logging.getLogger("pyhanko"), "propagate", False)
@@ -251,7 +235,7 @@ def test_a_key_that_does_not_open_is_refused_in_one_sentence(
     assert logged.getvalue() == ""
 
 
-def test_a_time_stamp_is_put_into_the_pdf(tmp_path: Path) -> None:
+def test_a_time_stamp_is_put_into_the_pdf(tmp_path):
     seal, stamper = keys(), keys(authority="Time Root")
     signing = replace(opened(seal, tmp_path), time_stamper=dummy_stamper(stamper))
     write(faces_of(certificate(), signing), tmp_path)
@@ -281,9 +265,7 @@ def dummy_stamper(of: Keys) -> DummyTimeStamper:
 @pytest.mark.skipif(SOFTHSM is None, reason="SoftHSM is not here")
 @needs("softhsm2-util")
 @needs("pkcs11-tool")
-def test_a_key_in_a_token_signs_as_one_in_a_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_key_in_a_token_signs_as_one_in_a_file(tmp_path, monkeypatch):
     from cryptography.hazmat.primitives.serialization import Encoding, NoEncryption, PrivateFormat
 
     seal = keys()

@@ -1,10 +1,8 @@
 """What the certificate says, before it is laid out."""
 
-from collections.abc import Callable
 from dataclasses import asdict
 from typing import Any, get_args
 
-import pypdfium2
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -19,14 +17,12 @@ from schemas.calibration import (
 )
 from schemas.certificate import State
 from schemas.laboratory import EquipmentLimit, LimitName, ResultAxes
-from schemas.recording import Recording
 from schemas.tolerance import Limit, Quantity, Tolerance, Verdict
 from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.calibrate.information.entry import WITHOUT_EARTH, separated
 from tasks.certificate.budgets import budgets
 from tasks.certificate.equipment import axes_of_results, flatness, limits_of, settings, whose_limits
 from tasks.certificate.fields import literal, slug
-from tasks.certificate.pdf import render
 from tasks.certificate.results import Group, contained, information_rows
 from tasks.conformity import decide
 from tasks.specifications.jjf2003 import JJF2003
@@ -79,11 +75,11 @@ KIND = Item.model_fields["uncertainty_kind"].annotation
         (get_args(Tolerance.model_fields["rule"].annotation), "certificate-rule"),
     ],
 )
-def test_everything_that_can_be_said_has_its_words(keys: Any, text: str) -> None:
+def test_everything_that_can_be_said_has_its_words(keys, text):
     assert all(known(f"{text}.{slug(key)}") for key in keys)
 
 
-def test_results_stand_in_the_order_of_appendix_b() -> None:
+def test_results_stand_in_the_order_of_appendix_b():
     titles = [section.title[0] for section in content(certificate()).sections]
     assert titles == [
         "标度因数", "零偏", "陀螺交叉耦合系数", "加速度计交叉耦合系数",
@@ -91,7 +87,7 @@ def test_results_stand_in_the_order_of_appendix_b() -> None:
     ]  # fmt: skip
 
 
-def test_all_six_gyro_cross_couplings_have_their_names_of_appendix_b() -> None:
+def test_all_six_gyro_cross_couplings_have_their_names_of_appendix_b():
     rows = group(calibration(), "Gyro cross coupling coefficient").rows
     assert [(row.name[0], row.letter + row.sub) for row in rows] == [
         ("X 轴对 Y 轴交叉耦合系数", "Kgyx"),
@@ -103,12 +99,12 @@ def test_all_six_gyro_cross_couplings_have_their_names_of_appendix_b() -> None:
     ]
 
 
-def test_values_and_uncertainties_share_their_last_place() -> None:
+def test_values_and_uncertainties_share_their_last_place():
     row = group(calibration(), "Gyro bias").rows[1]
     assert (row.value, row.U, row.limits) == ("−0.03194", "0.00035", ("±0.05",))
 
 
-def test_small_coefficients_and_their_limits_share_one_power_of_ten() -> None:
+def test_small_coefficients_and_their_limits_share_one_power_of_ten():
     given = items()
     p = given["accel_rate_sensitivity"]
     given["accel_rate_sensitivity"] = p.model_copy(
@@ -123,7 +119,7 @@ def test_small_coefficients_and_their_limits_share_one_power_of_ten() -> None:
     assert rate.rows[0].limits == ("(a) ±0.05",)
 
 
-def test_g_sensitivity_gives_both_values_and_says_which_one_is_limited() -> None:
+def test_g_sensitivity_gives_both_values_and_says_which_one_is_limited():
     g = group(calibration(), "Gyro g-sensitivity")
     assert (g.rows[0].value, g.rows[0].second, g.rows[0].limits) == (
         "0.00951", "0.00683", ("(b) ±0.01",)
@@ -135,7 +131,7 @@ def test_g_sensitivity_gives_both_values_and_says_which_one_is_limited() -> None
     assert g.matrices[0].cells[1] == ("0.00118", "0.00742", "−0.00305")
 
 
-def test_a_second_value_with_an_uncertainty_of_its_own_prints_it() -> None:
+def test_a_second_value_with_an_uncertainty_of_its_own_prints_it():
     made = items()["gyro_g_sensitivity"]
     own = {element: 1.5 * U for element, U in made.U.items() if U is not None}
     apart = made.model_copy(update={"U_without_earth_rotation": own})
@@ -146,7 +142,7 @@ def test_a_second_value_with_an_uncertainty_of_its_own_prints_it() -> None:
     assert all(row.U_second != row.U for row in shown.rows)
 
 
-def test_rate_sensitivity_gives_both_signs_and_a_zero_diagonal() -> None:
+def test_rate_sensitivity_gives_both_signs_and_a_zero_diagonal():
     p = group(calibration(), "Accelerometer rate sensitivity")
     assert (p.unit, p.exponent, p.rows[1].value, p.rows[1].second) == (
         "m", -3, "19.9400", "−19.9400"
@@ -155,7 +151,7 @@ def test_rate_sensitivity_gives_both_signs_and_a_zero_diagonal() -> None:
     assert any("m/s² per (rad/s)²" in en for _, en in p.sentences)
 
 
-def test_a_null_element_says_why_in_both_languages() -> None:
+def test_a_null_element_says_why_in_both_languages():
     given = items()
     given["gyro_bias"] = item("deg/s", "7.2.2", AXES, [0.01, None, 0.02], 1e-4)
     result = calibration(
@@ -169,7 +165,7 @@ def test_a_null_element_says_why_in_both_languages() -> None:
     assert bias.sentences == (("未得：Y 轴陀螺无数据。", "Not determined: gyro y is null."),)
 
 
-def test_an_item_that_was_not_estimated_keeps_its_place_and_its_reason() -> None:
+def test_an_item_that_was_not_estimated_keeps_its_place_and_its_reason():
     given = items()
     del given["gyro_g_sensitivity"], given["accel_rate_sensitivity"]
     result = calibration(items=given, unavailable={"gyro_g_sensitivity": "no positions"})
@@ -184,14 +180,14 @@ def test_an_item_that_was_not_estimated_keeps_its_place_and_its_reason() -> None
     )
 
 
-def test_an_item_of_no_specification_is_printed_too() -> None:
+def test_an_item_of_no_specification_is_printed_too():
     result = calibration(items=items() | {"lever_arm": item("m", "", ["x"], [0.0123], 1e-4)})
     other = content(certificate(result)).sections[-1]
     assert other.title == ("其他结果", "Other results")
     assert other.groups[0].rows[0].value == "0.01230"
 
 
-def test_readings_are_numbered_once_with_the_items_that_rest_on_them() -> None:
+def test_readings_are_numbered_once_with_the_items_that_rest_on_them():
     made = content(certificate())
     shorts = [reading.short for reading in made.readings]
     assert shorts == [f"R{n}" for n in range(1, 10)]
@@ -201,14 +197,14 @@ def test_readings_are_numbered_once_with_the_items_that_rest_on_them() -> None:
 
 
 @pytest.mark.parametrize("state", ["draft", "checked"])
-def test_what_is_not_issued_has_a_watermark_and_no_date_of_issue(state: State) -> None:
+def test_what_is_not_issued_has_a_watermark_and_no_date_of_issue(state):
     made = content(certificate(state=state))
     assert made.watermark is not None
     assert made.signatures[-1].date == ("尚未签发", "not yet issued")
     assert content(certificate()).watermark is None
 
 
-def test_nothing_is_left_blank_when_nothing_is_given() -> None:
+def test_nothing_is_left_blank_when_nothing_is_given():
     result = calibration(items={}, environment=EnvironmentSeen(), remarks=(), settings={})
     bare = certificate(
         result, decide(result, None), laboratory=None, order=None, state="draft",
@@ -226,7 +222,7 @@ def test_nothing_is_left_blank_when_nothing_is_given() -> None:
     assert made.environment[0].measured == ("未提供", "not given")
 
 
-def test_jjf_1536_has_its_own_items_and_conditions() -> None:
+def test_jjf_1536_has_its_own_items_and_conditions():
     offset = item("deg/s", "JJF 1536-2015, 7.2", AXES, [0.001, -0.002, 0.0005], 1e-5)
     result = calibration(method="jjf1536", items={"ahrs_zero_offset": offset})
     made = content(certificate(result, decide(result, None)))
@@ -239,13 +235,13 @@ def test_jjf_1536_has_its_own_items_and_conditions() -> None:
 
 
 @given(st.text(max_size=60))
-def test_literal_keeps_every_printable_character(text: str) -> None:
+def test_literal_keeps_every_printable_character(text):
     kept = literal(text)
     assert all(c.isprintable() for c in kept)
     assert [c for c in kept if c != " "] == [c for c in text if c.isprintable() and c != " "]
 
 
-def test_settings_are_called_by_their_names_in_every_language_and_have_units() -> None:
+def test_settings_are_called_by_their_names_in_every_language_and_have_units():
     made = certificate(
         calibration(
             settings={
@@ -288,7 +284,7 @@ def noise(**changes: Any) -> Information:
     return Information(**(given | changes))
 
 
-def test_numbers_are_rounded_to_the_place_of_u_and_u_upward() -> None:
+def test_numbers_are_rounded_to_the_place_of_u_and_u_upward():
     (row,) = printed(information_rows(calibration(information={"walk": noise()})))
     x, y, z = row.lines[0]
     assert (x.element, x.value, x.U) == ("x", "0.0843", "0.0014")
@@ -297,14 +293,14 @@ def test_numbers_are_rounded_to_the_place_of_u_and_u_upward() -> None:
     assert row.unit == "°/√h"
 
 
-def test_a_value_without_u_has_three_digits_and_no_more() -> None:
+def test_a_value_without_u_has_three_digits_and_no_more():
     shown = noise(value={"x": 582.0471}, u={"x": 205.8}, U={"x": None})
     (row,) = printed(information_rows(calibration(information={"s": shown})))
     ((x, _, _),) = row.lines
     assert (x.value, x.U, row.exponent) == ("582", None, 0)
 
 
-def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
+def test_elements_of_a_matrix_stand_where_a_matrix_has_them():
     value = {"xy": 1.0, "yx": 2.0}
     shown = noise(value=value, u=None, U=None)
     (row,) = printed(information_rows(calibration(information={"p": shown})))
@@ -312,7 +308,7 @@ def test_elements_of_a_matrix_stand_where_a_matrix_has_them() -> None:
     assert names == [[None, "xy", None], ["yx", None, None]]
 
 
-def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
+def test_the_item_says_what_the_clause_contains_and_how_many_times_u():
     made = calibration()
     made = calibration(information=separated(made.items["gyro_g_sensitivity"], None))
     ((zh, en),) = printed(contained(made, "gyro_g_sensitivity", SPECIFICATIONS[made.method]))
@@ -321,7 +317,7 @@ def test_the_item_says_what_the_clause_contains_and_how_many_times_u() -> None:
     assert "即 U 的 11 倍" in zh
 
 
-def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None:
+def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation():
     made = calibration()
     made = calibration(
         information=separated(made.items["gyro_g_sensitivity"], None), method="joint"
@@ -331,7 +327,7 @@ def test_a_value_of_the_joint_method_is_not_said_to_follow_an_equation() -> None
     assert zh.startswith("上述值含地球自转：")
 
 
-def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
+def test_a_difference_within_u_is_not_mentioned_at_the_item():
     made = calibration()
     item = made.items["gyro_g_sensitivity"]
     close = {e: v - 0.5 * item.U[e] for e, v in item.value.items()}
@@ -348,47 +344,11 @@ def test_a_difference_within_u_is_not_mentioned_at_the_item() -> None:
     )
 
 
-def test_information_never_enters_the_decision() -> None:
+def test_information_never_enters_the_decision():
     far = noise(value={"x": 1e9, "y": 1e9, "z": 1e9}, about="gyro_bias")
     bare, shown = certificate(), certificate(calibration(information={"walk": far}))
     assert content(shown).verdict == content(bare).verdict
     assert content(shown).reasons == content(bare).reasons
-
-
-@pytest.mark.rehearsal
-def test_the_pdf_has_the_section_only_where_there_is_something_to_show() -> None:
-    shown = certificate(calibration(information={"walk": noise()}))
-    assert "For information, not decided on" in text_of(render(shown))
-    assert "For information, not decided on" not in text_of(render(certificate()))
-
-
-@pytest.mark.rehearsal
-def test_on_plant_earth_rotation_the_certificate_says_what_the_clause_contains(
-    plant: Callable[[str], Recording],
-) -> None:
-    made = calibrate(JJF2003, plant("plant_earth_rotation"), run="r", code_version="v")
-    text = text_of(render(certificate(made)))
-    assert "The value by eq. (7) includes Earth's rotation" in text
-    assert "式(7)的值含地球自转" in text
-    assert "附加信息（不作判定）" in text
-
-
-@pytest.mark.rehearsal
-def test_on_plant_lever_arm_the_certificate_says_that_p_contains_it_and_shows_it_without(
-    plant: Callable[[str], Recording],
-) -> None:
-    made = calibrate(JJF2003, plant("plant_lever_arm"), run="r", code_version="v")
-    text = text_of(render(certificate(made)))
-    assert "The value by eq. (12), (13) contains the lever arm" in text
-    assert "式(12)、式(13)的值含杆臂" in text
-    assert made.information["lever_arm"].title in text
-
-
-def text_of(pdf: bytes) -> str:
-    """The words of a PDF, line ends and spaces made one space."""
-    pages = pypdfium2.PdfDocument(pdf)
-    text = " ".join(page.get_textpage().get_text_range() for page in pages)
-    return " ".join(text.split())
 
 
 # Whose limits stand in the budgets, and what stands in none.
@@ -408,7 +368,7 @@ def made(ideal_run):
     return build
 
 
-def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
+def test_recommended_and_assumed_limits_are_said_to_be_such(made):
     ((zh, en),) = printed(whose_limits(made()))
     assert "limits recommended by JJF 2003-2022, Table 1, JJF 2003-2022, 6.2, which this" in en
     assert "local gravity assumed known to ±0.0005 m/s²" in en
@@ -417,7 +377,7 @@ def test_recommended_and_assumed_limits_are_said_to_be_such(made) -> None:
     assert "纬度假定已知至 ±0.05°" in zh
 
 
-def test_which_axes_the_results_are_about_is_always_stated(made) -> None:
+def test_which_axes_the_results_are_about_is_always_stated(made):
     """It agrees with what is stated of the flatness: that is in no budget of the fixture's axes."""
     zh, en = printed(axes_of_results(made()))
     ((flat_zh, flat_en),) = printed(tuple(flatness(made(), JJF2003)))
@@ -439,7 +399,7 @@ def test_which_axes_the_results_are_about_is_always_stated(made) -> None:
     assert "axes of the results" in names
 
 
-def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) -> None:
+def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made):
     result = made(rate=OWN, gravity=OWN)
     ((_, en),) = printed(whose_limits(result))
     own, others = en.split("limits recommended")
@@ -455,7 +415,7 @@ def test_a_limit_of_the_laboratory_is_not_called_recommended_or_assumed(made) ->
     assert rows["α4"].source == ("JJF 2003—2022，6.2", "JJF 2003-2022, 6.2")
 
 
-def test_table_1_is_no_setting_where_every_limit_is_the_laboratorys_own(made) -> None:
+def test_table_1_is_no_setting_where_every_limit_is_the_laboratorys_own(made):
     def printed_settings(**own: EquipmentLimit) -> str:
         return " ".join(say(each.value, "en") for each in settings(made(**own)))
 
@@ -465,7 +425,7 @@ def test_table_1_is_no_setting_where_every_limit_is_the_laboratorys_own(made) ->
     assert own.count("CNAS 2026-117") == len(get_args(LimitName))
 
 
-def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -> None:
+def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run):
     result = calibrate(JOINT, ideal_run(noise=1e-4), run="r", code_version="v")
     rows = {row.symbol: row for row in printed(budgets(result)).limits}
     assert rows["φ"].source[1] == "assumed: latitude stated to 0.1°"
@@ -474,7 +434,7 @@ def test_the_joint_method_has_the_assumed_latitude_among_its_limits(ideal_run) -
     assert en.count("latitude assumed") == 1
 
 
-def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made) -> None:
+def test_a_budget_line_carries_the_half_width_and_the_source_of_its_limit(made):
     limits = {line.symbol: line for line in limits_of(made())}
     assert limits["g"].half_width == 5e-4
     assert limits["g"].u == pytest.approx(5e-4 / 3**0.5)

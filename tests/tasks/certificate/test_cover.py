@@ -64,7 +64,7 @@ def labelled(**changes: Any) -> Manifest:
     return manifest().model_copy(update={"segments": labels} | changes)
 
 
-def test_the_conditions_tell_rates_dwell_positions_and_mounting() -> None:
+def test_the_conditions_tell_rates_dwell_positions_and_mounting():
     made = content(certificate(turned(), manifest=labelled())).conditions
     assert [(r.axis, r.points[1], r.count, r.largest) for r in made.rates] == [
         ("X", "±10, ±300", "4", "300"), ("Y", "−50", "1", "50"), ("Z", "—", "0", "—"),
@@ -85,9 +85,7 @@ def test_the_conditions_tell_rates_dwell_positions_and_mounting() -> None:
         (10, "is 10 °/s; it was not included about Z (up to 0 °/s)"),
     ],
 )
-def test_a_largest_input_rate_that_was_not_included_is_a_deviation(
-    rate_range: float | None, answer: str
-) -> None:
+def test_a_largest_input_rate_that_was_not_included_is_a_deviation(rate_range, answer):
     unit = manifest().unit.model_copy(update={"rate_range_deg_s": rate_range})
     made = content(certificate(turned(), manifest=labelled(unit=unit)))
     assert made.conditions.sentences == ()
@@ -96,7 +94,7 @@ def test_a_largest_input_rate_that_was_not_included_is_a_deviation(
     assert any("with deviations" in each[1] for each in made.statement)
 
 
-def test_a_deviation_that_the_order_waives_is_printed_and_prevents_nothing() -> None:
+def test_a_deviation_that_the_order_waives_is_printed_and_prevents_nothing():
     given = order().model_copy(update={"waived_conditions": ("largest_rate",)})
     made = content(certificate(turned(), order=given))
     assert (
@@ -105,7 +103,7 @@ def test_a_deviation_that_the_order_waives_is_printed_and_prevents_nothing() -> 
     assert any("with deviations" in each[1] for each in made.statement)
 
 
-def test_a_largest_input_rate_that_was_included_about_every_axis_is_told() -> None:
+def test_a_largest_input_rate_that_was_included_about_every_axis_is_told():
     every = tuple(
         segment(axis, "rate", axis=axis, rate_deg_s=sign * 300.0)
         for axis in AXES for sign in (1, -1)
@@ -116,7 +114,7 @@ def test_a_largest_input_rate_that_was_included_about_every_axis_is_told() -> No
     assert not any("with deviations" in each[1] for each in made.statement)
 
 
-def test_without_a_day_of_calibration_the_next_counts_from_the_certificate() -> None:
+def test_without_a_day_of_calibration_the_next_counts_from_the_certificate():
     made = {f.label[1]: f.value for f in content(certificate(calibrated_on=None)).front}
     assert made["Date of calibration"] == ("未提供", "not given")
     assert made["Recalibration due"] == (
@@ -125,12 +123,12 @@ def test_without_a_day_of_calibration_the_next_counts_from_the_certificate() -> 
     )
 
 
-def test_an_order_received_after_the_calibration_is_refused() -> None:
+def test_an_order_received_after_the_calibration_is_refused():
     with pytest.raises(ValidationError, match=r"received = 2026-11-16, .* correct the order"):
         certificate(calibrated_on=date(2026, 11, 15))
 
 
-def test_the_basis_names_only_what_was_determined_and_lists_the_rest() -> None:
+def test_the_basis_names_only_what_was_determined_and_lists_the_rest():
     given = items()
     given["gyro_scale_factor"] = item("1", "7.2.1", AXES, [None] * 3, 1e-5)
     del given["gyro_fit_offset"]
@@ -143,7 +141,7 @@ def test_the_basis_names_only_what_was_determined_and_lists_the_rest() -> None:
     )
 
 
-def test_the_basis_says_what_was_taken_off_with_its_u() -> None:
+def test_the_basis_says_what_was_taken_off_with_its_u():
     arm = FoundParameter(name="r_x", value=0.05, unit="m", u=1e-4)
     taken = AdoptedTerm(name="lever_arm", title="lever arm", title_zh="杆臂", parameters=(arm,))
     zh, en = content(certificate(calibration(terms=(taken,)))).statement[1]
@@ -153,7 +151,7 @@ def test_the_basis_says_what_was_taken_off_with_its_u() -> None:
     assert "杆臂" in zh
 
 
-def test_deviations_are_named_in_the_basis_and_on_the_cover() -> None:
+def test_deviations_are_named_in_the_basis_and_on_the_cover():
     warm = Remark(code="c", en="Too warm.", zh="温度过高。", blocks_pass=True)
     made = content(certificate(calibration(remarks=(warm,))))
     assert made.statement[0][0].startswith("本次校准参照 JJF 2003—2022")
@@ -162,7 +160,7 @@ def test_deviations_are_named_in_the_basis_and_on_the_cover() -> None:
     assert specification[0] == "参照 JJF 2003—2022，有偏离，见“说明”"
 
 
-def test_a_verdict_on_some_elements_says_so() -> None:
+def test_a_verdict_on_some_elements_says_so():
     limit = Limit(item="gyro_bias", unit="deg/s", magnitude=1.0, elements=("x",))
     result = calibration()
     made = content(certificate(result, decide(result, tolerance(limits=(limit,)))))
@@ -171,7 +169,7 @@ def test_a_verdict_on_some_elements_says_so() -> None:
     assert made.scope[1] == f"1 of 8 items has limits and passes; {in_part}"
 
 
-def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
+def test_a_fit_offset_with_a_limit_is_not_called_undecided():
     def answer(*limits: Limit) -> str:
         result = calibration()
         made = content(certificate(result, decide(result, tolerance(limits=limits))))
@@ -184,7 +182,7 @@ def test_a_fit_offset_with_a_limit_is_not_called_undecided() -> None:
     assert "g_ii × 1 g and the component of Earth's rotation" in answer(offset)
 
 
-def test_an_amendment_says_on_its_first_page_what_it_replaces_and_why() -> None:
+def test_an_amendment_says_on_its_first_page_what_it_replaces_and_why():
     before = Replaced(number="MIMU-2026-0041", issued_on=date(2026, 11, 19), why="wrong address")
     front = content(certificate(replaces=before)).front
     (answer,) = [each.value for each in front if each.label[1] == "Replaces certificate"]
@@ -216,20 +214,20 @@ def of_object(made: Content) -> dict[str, Any]:
     return {field.label[1]: field.value[1] for field in made.calibrated_object}
 
 
-def test_the_first_page_has_place_accreditation_and_contact() -> None:
+def test_the_first_page_has_place_accreditation_and_contact():
     printed = front(content(MADE))
     assert printed["Place of calibration"] == "Hall 3, Beijing"
     assert printed["Accreditation"] == "CNAS L1234"
     assert printed["Contact of the laboratory"] == "+86 10 1234, lab@example.org"
 
 
-def test_the_place_that_the_order_names_goes_before_the_laboratorys() -> None:
+def test_the_place_that_the_order_names_goes_before_the_laboratorys():
     there = order().model_copy(update={"place": "Client's hall"})
     made = certificate(laboratory=LABORATORY, order=there)
     assert front(content(made))["Place of calibration"] == "Client's hall"
 
 
-def test_condition_and_configuration_are_those_of_order_and_manifest() -> None:
+def test_condition_and_configuration_are_those_of_order_and_manifest():
     unit = manifest().unit.model_copy(update={"bandwidth_hz": 80})
     given = certificate(
         order=MADE.order, manifest=manifest().model_copy(update={"unit": unit})
@@ -242,7 +240,7 @@ def test_condition_and_configuration_are_those_of_order_and_manifest() -> None:
     }  # fmt: skip
 
 
-def test_whether_it_was_adjusted_or_sampled_is_always_told() -> None:
+def test_whether_it_was_adjusted_or_sampled_is_always_told():
     printed = of_object(content(certificate()))
     assert printed["Adjustment"].startswith("no adjustment is recorded")
     assert printed["Sampling"].startswith("none")
@@ -258,9 +256,7 @@ def test_whether_it_was_adjusted_or_sampled_is_always_told() -> None:
         (("", ""), "no metrological traceability is claimed"),
     ],
 )
-def test_traceability_is_claimed_by_certificates_alone(
-    certificates: tuple[str, str], says: str
-) -> None:
+def test_traceability_is_claimed_by_certificates_alone(certificates, says):
     equipment = tuple(
         standard.model_copy(update={"certificate": number})
         for standard, number in zip(laboratory().equipment, certificates, strict=True)
@@ -269,7 +265,7 @@ def test_traceability_is_claimed_by_certificates_alone(
     assert says in made.traceability[1]
 
 
-def test_no_traceability_is_claimed_for_an_invalid_run() -> None:
+def test_no_traceability_is_claimed_for_an_invalid_run():
     invalid = calibration().model_copy(
         update={"remarks": (Remark(code="x", run="invalid", en="Invalid.", zh="无效。"),)}
     )
@@ -279,7 +275,7 @@ def test_no_traceability_is_claimed_for_an_invalid_run() -> None:
     assert "no metrological traceability is claimed" in made.traceability[1]
 
 
-def test_the_dcc_has_them_in_their_places_and_as_statements() -> None:
+def test_the_dcc_has_them_in_their_places_and_as_statements():
     root = etree.fromstring(faces_of(MADE, None).dcc)
     lab = root.find(f".//{DCC}calibrationLaboratory")
     assert lab.findtext(f"{DCC}calibrationLaboratoryCode") == "CNAS L1234"
@@ -327,7 +323,7 @@ def expanded_of(document: bytes, label: str) -> str:
     raise AssertionError(label)
 
 
-def test_u_decided_and_printed_everywhere_is_the_capability_and_the_result_keeps_its_own() -> None:
+def test_u_decided_and_printed_everywhere_is_the_capability_and_the_result_keeps_its_own():
     paper = made(*EVERY, BIAS)
     printed = content(paper)
     bias = group(printed, item_title("gyro_bias"))
@@ -341,14 +337,14 @@ def test_u_decided_and_printed_everywhere_is_the_capability_and_the_result_keeps
     assert "the evaluated U is smaller, and the capability is stated" in texts(printed)
 
 
-def test_a_certificate_whose_items_are_all_covered_refers_to_the_accreditation() -> None:
+def test_a_certificate_whose_items_are_all_covered_refers_to_the_accreditation():
     printed = content(made(*EVERY, BIAS))
     assert accreditation(printed) == ["CNAS L1234"]
     assert "CNAS L1234" in dcc_of(made(*EVERY, BIAS)).decode()
     assert "outside its accreditation" not in texts(printed)
 
 
-def test_an_item_that_is_not_covered_leaves_no_accreditation_on_the_certificate() -> None:
+def test_an_item_that_is_not_covered_leaves_no_accreditation_on_the_certificate():
     paper = made(*EVERY)
     printed = content(paper)
     assert accreditation(printed) == []
@@ -359,7 +355,7 @@ def test_an_item_that_is_not_covered_leaves_no_accreditation_on_the_certificate(
     assert "不在认可范围内" in " ".join(sentence[0] for sentence in printed.statement)
 
 
-def test_budgets_print_the_stated_u_and_say_so() -> None:
+def test_budgets_print_the_stated_u_and_say_so():
     """u_c stays what was evaluated: the line says why U is not k·u_c."""
     result = calibration(items=with_budgets(items()))
     of = laboratory(capabilities=(BIAS.model_copy(update={"U": 0.42}),))

@@ -61,7 +61,7 @@ def issued_on(day: date, number: str, bias: float, method: str = "jjf2003") -> C
     return certificate(result, calibrated_on=day, number=number, order=None)
 
 
-def test_the_history_has_earlier_certificates_of_the_method_in_order_and_ends_at_this_one() -> None:
+def test_the_history_has_earlier_certificates_of_the_method_in_order_and_ends_at_this_one():
     earlier = [
         issued_on(date(2025, 11, 19), "M-2", 0.5),
         issued_on(date(2024, 11, 19), "M-1", 0.7),
@@ -80,14 +80,12 @@ def test_the_history_has_earlier_certificates_of_the_method_in_order_and_ends_at
     }  # fmt: skip
 
 
-def test_a_unit_without_earlier_certificates_or_day_has_no_history() -> None:
+def test_a_unit_without_earlier_certificates_or_day_has_no_history():
     assert list(history(certificate(), [])) == []
     assert list(history(certificate(calibrated_on=None), [certificate()])) == []
 
 
-def test_every_figure_has_title_and_caption_in_both_languages_and_what_is_absent_is_left_out() -> (
-    None
-):
+def test_every_figure_has_title_and_caption_in_both_languages_and_what_is_absent_is_left_out():
     made = with_curves()
     titles = [figure.title for figure in content(made).figures]
     assert titles == [
@@ -105,14 +103,12 @@ def test_every_figure_has_title_and_caption_in_both_languages_and_what_is_absent
     ("unit", "largest", "read"),
     [("ppm", 3600.0, (1e-4, "%")), ("ppm", 90.0, (1.0, "ppm")), ("deg/s", 2e-4, (1e6, "10⁻⁶ °/s"))],
 )
-def test_an_axis_has_a_unit_that_people_write(
-    unit: str, largest: float, read: tuple[float, str]
-) -> None:
+def test_an_axis_has_a_unit_that_people_write(unit, largest, read):
     one = curve("rate-residuals", "gyro_scale_factor", "x", y_unit=unit, y=(largest,) * 3)
     assert _power([one.model_copy(update={"U": (0.0,) * 3})]) == read
 
 
-def test_what_is_written_in_a_figure_is_outlines_so_that_no_font_is_missing() -> None:
+def test_what_is_written_in_a_figure_is_outlines_so_that_no_font_is_missing():
     made = with_curves()
     for svg in drawn(made).values():
         assert "<text" not in svg
@@ -148,24 +144,7 @@ def text_of(pdf: bytes) -> str:
     return re.sub(r"\s+", " ", " ".join(page.get_textpage().get_text_range() for page in pages))
 
 
-@pytest.mark.rehearsal
-def test_the_budgets_are_printed_only_where_they_were_asked_for(made) -> None:
-    without, asked = (text_of(render(printed(made, wanted))) for wanted in (False, True))
-    assert "Uncertainty budgets" not in without
-    for words in (
-        "不确定度评定 Uncertainty budgets",
-        "repeatability",
-        "squareness of axes",
-        "rectangular",
-        "Sensitivity",
-        "Share %",
-        "Effective dof",
-        "95 % half width",
-    ):
-        assert words in asked
-
-
-def test_every_item_has_the_lines_of_its_most_uncertain_element(made) -> None:
+def test_every_item_has_the_lines_of_its_most_uncertain_element(made):
     found = budgets(made)
     assert found is not None
     assert len(found.tables) == len(made.items)
@@ -178,7 +157,7 @@ def test_every_item_has_the_lines_of_its_most_uncertain_element(made) -> None:
         assert table.k == f"{estimated.k:g}"
 
 
-def test_type_a_and_type_b_make_up_the_combined_uncertainty(made) -> None:
+def test_type_a_and_type_b_make_up_the_combined_uncertainty(made):
     found = budgets(made)
     assert found is not None
 
@@ -191,7 +170,7 @@ def test_type_a_and_type_b_make_up_the_combined_uncertainty(made) -> None:
             assert size(element.u_c) == pytest.approx(together, rel=0.01)
 
 
-def test_as_the_example_it_is_said_how_it_was_done(ideal_run) -> None:
+def test_as_the_example_it_is_said_how_it_was_done(ideal_run):
     recording = ideal_run()
     evaluation = evaluation_for(recording, EXAMPLE)
     made = calibrate(JJF2003, recording, run="r", code_version="v", evaluation=evaluation)
@@ -213,11 +192,11 @@ def test_as_the_example_it_is_said_how_it_was_done(ideal_run) -> None:
         (0.00099999, Figure("0.00100")),
     ],
 )
-def test_figures_have_three_digits(value: float, shown: Figure) -> None:
+def test_figures_have_three_digits(value, shown):
     assert figure(value) == shown
 
 
-def test_shares_are_printed_in_percent_of_the_variance(made) -> None:
+def test_shares_are_printed_in_percent_of_the_variance(made):
     found = budgets(made)
     assert found is not None
     for table, estimated in zip(found.tables, made.items.values(), strict=True):

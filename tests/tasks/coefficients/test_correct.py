@@ -1,7 +1,5 @@
 """Correcting gives what the unit went through, which the tests know from plain algebra."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 
@@ -35,16 +33,16 @@ def truth(recording: Recording) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.fixture(scope="module")
-def recording(ideal_run: Callable[..., Recording]) -> Recording:
+def recording(ideal_run) -> Recording:
     return ideal_run(dwell=5.0, **UNIT)
 
 
 @pytest.fixture(scope="module")
-def calibration(recording: Recording):
+def calibration(recording):
     return items_only(JJF2003, recording)
 
 
-def test_each_coefficient_is_the_units_own_within_its_uncertainty(calibration) -> None:
+def test_each_coefficient_is_the_units_own_within_its_uncertainty(calibration):
     """The clauses turn one axis at a time, which leaves P of second order in what they fit."""
     known, expanded, assumed = coefficients(calibration)
     assert assumed == ()
@@ -55,7 +53,7 @@ def test_each_coefficient_is_the_units_own_within_its_uncertainty(calibration) -
         assert (np.abs(value - UNIT[short])[given] <= U[given]).all(), short
 
 
-def test_corrected_readings_are_what_the_unit_went_through(recording, calibration) -> None:
+def test_corrected_readings_are_what_the_unit_went_through(recording, calibration):
     known, _, _ = coefficients(calibration)
     rate, force = correct(known, recording.imu.stack(GYRO), recording.imu.stack(ACCEL))
     true_rate, true_force = truth(recording)
@@ -63,7 +61,7 @@ def test_corrected_readings_are_what_the_unit_went_through(recording, calibratio
     np.testing.assert_allclose(force, true_force, atol=2e-5)
 
 
-def test_a_reading_without_what_it_is_corrected_by_is_null(recording, calibration) -> None:
+def test_a_reading_without_what_it_is_corrected_by_is_null(recording, calibration):
     known, _, _ = coefficients(calibration)
     gyro, accel = recording.imu.stack(GYRO)[:4], recording.imu.stack(ACCEL)[:4].copy()
     accel[1] = np.nan
@@ -73,7 +71,7 @@ def test_a_reading_without_what_it_is_corrected_by_is_null(recording, calibratio
     assert np.isfinite(rate[[0, 2, 3]]).all()
 
 
-def test_earths_rotation_is_left_in_the_corrected_rate(plant) -> None:
+def test_earths_rotation_is_left_in_the_corrected_rate(plant):
     """Eq. (7) counts it as g-sensitivity; a corrected gyro at rest reads it."""
     recording = plant("plant_earth_rotation")
     calibration = items_only(JJF2003, recording)
@@ -89,7 +87,7 @@ def test_earths_rotation_is_left_in_the_corrected_rate(plant) -> None:
     assert abs(by_clause - known.gyro_g_sensitivity[0, 0]) > 4e-6
 
 
-def test_elements_without_a_value_are_ideal_and_named(real) -> None:
+def test_elements_without_a_value_are_ideal_and_named(real):
     calibration = items_only(JJF2003, real("ln100_two_position"))
     made = document(calibration, None)
     assert "gyro_g_sensitivity xy" in made.assumed_ideal
@@ -98,7 +96,7 @@ def test_elements_without_a_value_are_ideal_and_named(real) -> None:
     assert made.unit is None
 
 
-def test_a_calibration_that_names_no_gravity_is_refused(calibration) -> None:
+def test_a_calibration_that_names_no_gravity_is_refused(calibration):
     without = calibration.model_copy(update={"settings": {"gravity_m_s2": None}})
     with pytest.raises(Unusable, match="gravity_m_s2 is None"):
         coefficients(without)

@@ -1,13 +1,11 @@
 """The uncertainty of corrected readings, against true readings of simulated units and by draws."""
 
-from collections.abc import Callable
 from dataclasses import fields
 
 import numpy as np
 import pytest
 
 from schemas.calibration import Calibration
-from schemas.recording import Recording
 from tasks.calibrate.calibrate import evaluation_for, without_information
 from tasks.coefficients.correct import (
     Coefficients,
@@ -41,9 +39,7 @@ def uncertainty_of(calibration: Calibration) -> tuple[Coefficients, ReadingUncer
 @pytest.mark.parametrize(
     "specification", [JJF2003, pytest.param(JOINT, marks=pytest.mark.rehearsal)]
 )
-def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_says(
-    specification,
-) -> None:
+def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_says(specification):
     """What each unit reads of another motion is plain algebra of its true parameters."""
     z = []
     for seed in range(700, 700 + UNITS):
@@ -64,49 +60,11 @@ def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_sa
 
 
 @pytest.fixture(scope="module")
-def joint(plant: Callable[[str], Recording]) -> Calibration:
+def joint(plant) -> Calibration:
     return items_only(JOINT, plant("plant_lever_arm"))
 
 
-@pytest.mark.rehearsal
-def test_u_is_the_scatter_of_readings_corrected_by_drawn_parameters(joint: Calibration) -> None:
-    """Draws from the covariance of the result, item by item, through the whole correction."""
-    known, uncertainty = uncertainty_of(joint)
-    covariance = joint.covariance
-    assert covariance is not None
-    count = len(covariance.elements)
-    matrix = np.zeros((count, count))
-    matrix[np.tril_indices(count)] = [each for row in covariance.rows for each in row]
-    matrix += np.tril(matrix, -1).T
-    scale = np.sqrt(np.diag(matrix))
-    root = np.linalg.cholesky(matrix / np.outer(scale, scale))
-    random = np.random.default_rng(3)
-    corrected = []
-    for _ in range(DRAWS):
-        errors = scale * (root @ random.standard_normal(count))
-        drawn = perturbed(joint, dict(zip(covariance.elements, errors, strict=True)))
-        corrected.append(np.hstack(correct(coefficients(drawn)[0], RATE, FORCE)))
-    rate, force = correct(known, RATE, FORCE)
-    by_draws = np.std(corrected, axis=0)
-    np.testing.assert_allclose(uncertainty.of_rows(rate, force), by_draws, rtol=0.05)
-
-
-def perturbed(calibration: Calibration, errors: dict[str, float]) -> Calibration:
-    items = {}
-    for name, item in calibration.items.items():
-        moved = {e: v if v is None else v + errors.get(f"{name}.{e}", 0.0)
-                 for e, v in item.value.items()}  # fmt: skip
-        update = {"value": moved}
-        for second in ("value_without_earth_rotation", "value_model"):
-            if (values := getattr(item, second)) is not None:
-                sign = -1.0 if second == "value_model" else 1.0
-                update[second] = {e: v if v is None else v + sign * errors.get(f"{name}.{e}", 0.0)
-                                  for e, v in values.items()}  # fmt: skip
-        items[name] = item.model_copy(update=update)
-    return calibration.model_copy(update={"items": items})
-
-
-def test_the_rms_is_that_of_the_rows_whatever_their_number(joint: Calibration) -> None:
+def test_the_rms_is_that_of_the_rows_whatever_their_number(joint):
     known, uncertainty = uncertainty_of(joint)
     rate, force = RNG.standard_normal((2, 10_001, 3))
     rate[7] = np.nan
@@ -117,9 +75,7 @@ def test_the_rms_is_that_of_the_rows_whatever_their_number(joint: Calibration) -
     assert all(np.isfinite(getattr(known, each.name)).all() for each in fields(known))
 
 
-def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(
-    real: Callable[[str], Recording],
-) -> None:
+def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(real):
     found = items_only(JJF2003, real("vn200_57630_six_position"))
     _, uncertainty = uncertainty_of(found)
     assert set(uncertainty.unknown) >= {"gyro_x", "gyro_y", "gyro_z"}
@@ -128,7 +84,7 @@ def test_a_channel_of_which_an_element_is_taken_as_ideal_has_no_uncertainty(
     assert uncertainty.rms(RATE, FORCE).keys().isdisjoint(uncertainty.unknown)
 
 
-def test_a_result_without_a_covariance_gives_no_uncertainty(joint: Calibration) -> None:
+def test_a_result_without_a_covariance_gives_no_uncertainty(joint):
     known, _ = uncertainty_of(joint)
     without = joint.model_copy(update={"covariance": None})
     assert reading_uncertainty(without, known) is None

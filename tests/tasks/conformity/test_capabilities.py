@@ -63,7 +63,7 @@ def table(**half_widths: float) -> MeasurementStandard:
 
 
 @pytest.mark.parametrize("equipment", [JJF2003, JJF1536], ids=["2003", "1536"])
-def test_limits_that_equipment_is_taken_to_meet_give_no_pass(equipment: Equipment) -> None:
+def test_limits_that_equipment_is_taken_to_meet_give_no_pass(equipment):
     decision = decide(made_with(equipment), tolerance(bias_limit()))
     assert decision.verdict == "inconclusive"
     (reason,), (reason_zh,) = decision.reasons, decision.reasons_zh
@@ -74,33 +74,33 @@ def test_limits_that_equipment_is_taken_to_meet_give_no_pass(equipment: Equipmen
     assert "夹具" in reason_zh
 
 
-def test_limits_of_the_laboratory_own_equipment_pass() -> None:
+def test_limits_of_the_laboratory_own_equipment_pass():
     decision = decide(made_with(own()), tolerance(bias_limit()))
     assert (decision.verdict, decision.reasons) == ("pass", ())
 
 
-def test_one_limit_that_is_still_the_specifications_gives_no_pass() -> None:
+def test_one_limit_that_is_still_the_specifications_gives_no_pass():
     stated = {name: limit for name, limit in OWN.items() if name != "fixture"}
     (reason,) = decide(made_with(own(stated)), tolerance(bias_limit())).reasons
     assert "squareness of fixture" in reason
     assert "table rate" not in reason
 
 
-def test_an_item_without_a_limit_does_not_need_own_limits() -> None:
+def test_an_item_without_a_limit_does_not_need_own_limits():
     limited = made_with(own())
     other = made_with(JJF2003, "gyro_fit_offset")
     both = limited.model_copy(update={"items": {**limited.items, **other.items}})
     assert decide(both, tolerance(bias_limit())).verdict == "pass"
 
 
-def test_the_table_of_the_appendix_gives_no_pass_either() -> None:
+def test_the_table_of_the_appendix_gives_no_pass_either():
     budgets = {e: combine_as_example(f"gyro_bias.{e}", "1", 0.0, [1e-4]) for e in BIAS}
     example = calibration({"gyro_bias": item(dict(BIAS), budgets=budgets)})
     (reason,) = decide(example, tolerance(bias_limit())).reasons
     assert "Appendix A" in reason
 
 
-def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> None:
+def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass():
     """A list with a rate accuracy of 1e-4 beside a budget with 1e-5."""
     result = made_with(own())
     (reason,) = smaller_than_stated(result, [table(rate=1e-4)], DAY)
@@ -113,11 +113,11 @@ def test_a_budget_with_less_than_the_equipment_list_states_gives_no_pass() -> No
 
 
 @pytest.mark.parametrize("stated", [1e-5, 0.9e-5])
-def test_a_budget_with_no_less_than_the_equipment_list_states_is_in_order(stated: float) -> None:
+def test_a_budget_with_no_less_than_the_equipment_list_states_is_in_order(stated):
     assert smaller_than_stated(made_with(own()), [table(rate=stated)], DAY) == ()
 
 
-def test_of_two_standards_for_one_property_the_worse_counts() -> None:
+def test_of_two_standards_for_one_property_the_worse_counts():
     reasons = smaller_than_stated(made_with(own()), [table(rate=1e-6), table(rate=2e-5)], DAY)
     assert ["±2×10⁻⁵" in say(reason, "en") for reason in reasons] == [True]
 
@@ -135,7 +135,7 @@ def by_function(deviation: str, rows: list[dict[str, float]]) -> MeasurementStan
 ROWS = [{"at": 0.5, "deviation": 3e-5, "U": 1e-5}, {"at": 100.0, "deviation": 0.0, "U": 2e-6}]
 
 
-def test_a_function_is_compared_where_it_is_largest() -> None:
+def test_a_function_is_compared_where_it_is_largest():
     result = made_with(own())  # ±1e-5 rectangular: u = 5.8e-6
     assert smaller_than_stated(result, [by_function("corrected", ROWS)], DAY) == ()
     (reason,) = smaller_than_stated(result, [by_function("budgeted", ROWS)], DAY)
@@ -144,7 +144,7 @@ def test_a_function_is_compared_where_it_is_largest() -> None:
     )
 
 
-def test_a_failed_intermediate_check_gives_no_pass() -> None:
+def test_a_failed_intermediate_check_gives_no_pass():
     passed, failed = (
         {"checked_on": "2026-05-04", "what": "rate at 100 °/s", "what_zh": "100 °/s 速率",
          "result": result, "limit": 1e-5, "unit": "1"} for result in (-1e-5, -1.1e-5)
@@ -187,18 +187,18 @@ def stated(*capabilities: Capability, rates: tuple[float, ...] = ()) -> dict[str
     return as_stated(result(*rates), capabilities).items["gyro_bias"].U
 
 
-def test_the_larger_of_u_and_capability_is_stated() -> None:
+def test_the_larger_of_u_and_capability_is_stated():
     assert stated(capability(0.004)) == {"x": 0.004, "y": 0.004, "z": 0.004}
     assert stated(capability(0.0004)) == {"x": 0.001, "y": 0.001, "z": 0.001}
     assert stated() == {"x": 0.001, "y": 0.001, "z": 0.001}
 
 
-def test_a_relative_capability_is_of_the_value() -> None:
+def test_a_relative_capability_is_of_the_value():
     relative = stated(capability(0.1, relative=True))
     assert relative == pytest.approx({"x": 0.001, "y": 0.002, "z": 0.003})
 
 
-def test_of_ranges_the_largest_counts_among_those_that_hold_a_rate_of_the_run() -> None:
+def test_of_ranges_the_largest_counts_among_those_that_hold_a_rate_of_the_run():
     ranges = [
         capability(0.004, rates_deg_s=(0.1, 10.0)), capability(0.002, rates_deg_s=(10.0, 400.0)),
     ]  # fmt: skip
@@ -208,11 +208,11 @@ def test_of_ranges_the_largest_counts_among_those_that_hold_a_rate_of_the_run() 
     assert stated(*ranges)["x"] == 0.001  # held at no rate
 
 
-def test_a_range_of_values_covers_the_elements_within_it() -> None:
+def test_a_range_of_values_covers_the_elements_within_it():
     assert stated(capability(0.004, values=(-0.02, 0.02))) == {"x": 0.004, "y": 0.004, "z": 0.001}
 
 
-def test_a_decision_is_by_the_stated_u() -> None:
+def test_a_decision_is_by_the_stated_u():
     """0.03 ± 0.001 lies inside 0.05 with its guard band; with a capability of 0.03 it does not."""
     limits = tolerance(bias_limit()).model_copy(
         update={"rule": "guard_band", "guard_band_factor": 1.0}
@@ -224,7 +224,7 @@ def test_a_decision_is_by_the_stated_u() -> None:
     assert of["x"].accept_upper == pytest.approx(0.02)
 
 
-def test_unknown_items_and_units_are_refused_all_at_once() -> None:
+def test_unknown_items_and_units_are_refused_all_at_once():
     wrong = [capability(1.0, item="gyro_bais"), capability(1.0), capability(1.0, unit="rad/s")]
     with pytest.raises(Unusable) as refused:
         check_capabilities(wrong)
@@ -244,7 +244,7 @@ def test_unknown_items_and_units_are_refused_all_at_once() -> None:
         ({"values": (-1, 0)}, {"values": (0, 1)}, False),
     ],
 )
-def test_ranges_of_one_item_do_not_overlap(first: Any, second: Any, overlaps: bool) -> None:
+def test_ranges_of_one_item_do_not_overlap(first, second, overlaps):
     pair = capability(1e-3, **first), capability(1e-3, **second)
     if not overlaps:
         assert laboratory(*pair).capabilities == pair
@@ -258,6 +258,6 @@ def test_ranges_of_one_item_do_not_overlap(first: Any, second: Any, overlaps: bo
     [{"U": 0.0}, {"U": float("nan")}, {"rates_deg_s": (10, 1)}, {"rates_deg_s": (-10, 10)},
      {"values": (0, float("nan"))}],
 )  # fmt: skip
-def test_what_is_no_capability_is_refused(wrong: Any) -> None:
+def test_what_is_no_capability_is_refused(wrong):
     with pytest.raises(ValidationError):
         capability(**({"U": 1.0} | wrong))

@@ -44,7 +44,7 @@ def verdict_of(value: dict[str, float | None], **limit: Any) -> str:
     return decide(calibration({"gyro_bias": item(value)}), tolerance(bias_limit(**limit))).verdict
 
 
-def test_inside_every_limit_passes_without_reasons() -> None:
+def test_inside_every_limit_passes_without_reasons():
     decision = decide(calibration({"gyro_bias": item(BIAS)}), tolerance(bias_limit()))
     assert decision.verdict == "pass"
     assert [made.verdict for made in decision.limits] == ["pass"] * 3
@@ -52,7 +52,7 @@ def test_inside_every_limit_passes_without_reasons() -> None:
     assert decision.rule == "simple_acceptance"
 
 
-def test_one_element_outside_fails_and_is_named_in_both_languages() -> None:
+def test_one_element_outside_fails_and_is_named_in_both_languages():
     decision = decide(
         calibration({"gyro_bias": item(BIAS | {"y": -0.06})}), tolerance(bias_limit())
     )
@@ -68,17 +68,17 @@ def test_one_element_outside_fails_and_is_named_in_both_languages() -> None:
     )
 
 
-def test_a_value_on_its_limit_is_accepted() -> None:
+def test_a_value_on_its_limit_is_accepted():
     assert verdict_of({"x": 0.05, "y": -0.05, "z": 0.0}) == "pass"
 
 
-def test_an_upper_limit_alone_leaves_the_bottom_open() -> None:
+def test_an_upper_limit_alone_leaves_the_bottom_open():
     assert verdict_of({"x": -9.0, "y": 0.0, "z": 0.0}, lower=None) == "pass"
     assert verdict_of({"x": 0.06, "y": 0.0, "z": 0.0}, lower=None) == "fail"
 
 
 @pytest.mark.parametrize("missing", [None, math.nan, math.inf])
-def test_a_missing_or_non_finite_element_is_inconclusive(missing: float | None) -> None:
+def test_a_missing_or_non_finite_element_is_inconclusive(missing):
     broken = item(BIAS).model_copy(update={"value": BIAS | {"z": missing}})
     decision = decide(calibration({}).model_copy(update={"items": {"gyro_bias": broken}}),
                       tolerance(bias_limit()))  # fmt: skip
@@ -87,14 +87,14 @@ def test_a_missing_or_non_finite_element_is_inconclusive(missing: float | None) 
     assert decision.reasons == ("Gyro bias (z) not determined: no cause stated",)
 
 
-def test_a_value_without_uncertainty_is_inconclusive() -> None:
+def test_a_value_without_uncertainty_is_inconclusive():
     bare = item(BIAS).model_copy(update={"U": BIAS | {"x": None}})
     assert decide(calibration({"gyro_bias": bare}), tolerance(bias_limit())).verdict == (
         "inconclusive"
     )
 
 
-def test_an_unavailable_item_is_inconclusive_with_its_reason() -> None:
+def test_an_unavailable_item_is_inconclusive_with_its_reason():
     result = calibration(
         {}, {"gyro_bias": "only 5 of 12 positions"}, unavailable_zh={"gyro_bias": "仅有5个位置"}
     )
@@ -105,22 +105,22 @@ def test_an_unavailable_item_is_inconclusive_with_its_reason() -> None:
     assert decision.reasons_zh == ("陀螺零偏（x, y, z）未得：仅有5个位置",)
 
 
-def test_an_item_called_unavailable_does_not_pass_on_the_numbers_it_has() -> None:
+def test_an_item_called_unavailable_does_not_pass_on_the_numbers_it_has():
     result = calibration({"gyro_bias": item(BIAS)}, {"gyro_bias": "table fault"})
     assert decide(result, tolerance(bias_limit())).verdict == "inconclusive"
 
 
-def test_a_foreign_unavailable_item_is_inconclusive_too() -> None:
+def test_a_foreign_unavailable_item_is_inconclusive_too():
     result = calibration({"gyro_bias": item(BIAS)}, {"odd": "not seen"})
     limits = tolerance(bias_limit(), Limit(item="odd", unit="1", upper=1.0))
     assert decide(result, limits).verdict == "inconclusive"
 
 
-def test_only_listed_elements_are_limited() -> None:
+def test_only_listed_elements_are_limited():
     assert verdict_of({"x": 0.01, "y": None, "z": 9.0}, elements=("x",)) == "pass"
 
 
-def test_a_remark_that_blocks_a_pass_makes_it_inconclusive() -> None:
+def test_a_remark_that_blocks_a_pass_makes_it_inconclusive():
     warm = Remark(code="temperature", en="It was 31 °C.", zh="温度为31 °C。", blocks_pass=True)
     result = calibration({"gyro_bias": item(BIAS)}, remarks=(warm,))
     decision = decide(result, tolerance(bias_limit()))
@@ -128,7 +128,7 @@ def test_a_remark_that_blocks_a_pass_makes_it_inconclusive() -> None:
     assert (decision.reasons, decision.reasons_zh) == (("It was 31 °C.",), ("温度为31 °C。",))
 
 
-def test_no_tolerance_is_inconclusive() -> None:
+def test_no_tolerance_is_inconclusive():
     decision = decide(calibration({"gyro_bias": item(BIAS)}), None)
     assert (decision.verdict, decision.document, decision.limits) == ("inconclusive", None, ())
     assert len(decision.reasons) == len(decision.reasons_zh) == 1
@@ -144,7 +144,7 @@ def test_no_tolerance_is_inconclusive() -> None:
         (bias_limit(applied_to="value_model"), "value_model"),
     ],
 )
-def test_a_limit_that_does_not_fit_the_result_is_refused(limit: Limit, names: str) -> None:
+def test_a_limit_that_does_not_fit_the_result_is_refused(limit, names):
     with pytest.raises(Unusable, match=names):
         decide(calibration({"gyro_bias": item(BIAS)}), tolerance(limit))
 
@@ -157,7 +157,7 @@ def g_sensitivity(**limit: Any) -> Decision:
     return decide(calibration({"gyro_g_sensitivity": result}), tolerance(limited))
 
 
-def test_a_g_sensitivity_limit_says_which_quantity_it_applies_to() -> None:
+def test_a_g_sensitivity_limit_says_which_quantity_it_applies_to():
     assert g_sensitivity().verdict == "fail"
     corrected = g_sensitivity(applied_to="value_without_earth_rotation")
     assert corrected.verdict == "pass"
@@ -165,7 +165,7 @@ def test_a_g_sensitivity_limit_says_which_quantity_it_applies_to() -> None:
     assert corrected.limits[0].value == pytest.approx(0.009)
 
 
-def test_a_quantity_that_could_not_be_computed_is_inconclusive() -> None:
+def test_a_quantity_that_could_not_be_computed_is_inconclusive():
     result = item({a + b: 0.001 for a in "xyz" for b in "xyz"}, unit="(deg/s)/g")
     limit = Limit(item="gyro_g_sensitivity", unit="(deg/s)/g", magnitude=0.01,
                   applied_to="value_without_earth_rotation")  # fmt: skip
@@ -174,7 +174,7 @@ def test_a_quantity_that_could_not_be_computed_is_inconclusive() -> None:
 
 
 @pytest.mark.parametrize("value", [0.01, -0.06])
-def test_an_uncertainty_wider_than_half_the_limits_decides_nothing(value: float) -> None:
+def test_an_uncertainty_wider_than_half_the_limits_decides_nothing(value):
     decision = with_uncertainty(value, 0.051)
     assert decision.verdict == "inconclusive"
     assert {made.verdict for made in decision.limits} == {"inconclusive"}
@@ -182,7 +182,7 @@ def test_an_uncertainty_wider_than_half_the_limits_decides_nothing(value: float)
     assert "U = 0.051 °/s，大于允许区间 ±0.05 °/s 的一半" in decision.reasons_zh[0]
 
 
-def test_a_one_sided_limit_without_a_bound_on_u_asks_for_one() -> None:
+def test_a_one_sided_limit_without_a_bound_on_u_asks_for_one():
     decision = with_uncertainty(0.01, 5.0, lower=None)
     assert decision.verdict == "inconclusive"
     assert {made.verdict for made in decision.limits} == {"inconclusive"}
@@ -191,7 +191,7 @@ def test_a_one_sided_limit_without_a_bound_on_u_asks_for_one() -> None:
     assert with_uncertainty(0.01, 0.02, lower=None).verdict == "pass"
 
 
-def test_a_pass_outside_the_limits_is_conditional() -> None:
+def test_a_pass_outside_the_limits_is_conditional():
     decision = with_uncertainty(
         0.0625, 0.0125, lower=None, rule="guard_band", guard_band_factor=-1.0, U_max=1.0
     )
@@ -201,7 +201,7 @@ def test_a_pass_outside_the_limits_is_conditional() -> None:
 
 @pytest.mark.parametrize("U", [None, 0.0])
 @pytest.mark.parametrize("value", [0.01, 9.0])
-def test_no_uncertainty_or_one_of_zero_is_inconclusive(value: float, U: float | None) -> None:
+def test_no_uncertainty_or_one_of_zero_is_inconclusive(value, U):
     decision = with_uncertainty(value, U)
     assert decision.verdict == "inconclusive"
     assert decision.reasons == (
@@ -209,7 +209,7 @@ def test_no_uncertainty_or_one_of_zero_is_inconclusive(value: float, U: float | 
     )
 
 
-def test_a_failure_that_rounding_would_hide_has_as_many_digits_as_show_it() -> None:
+def test_a_failure_that_rounding_would_hide_has_as_many_digits_as_show_it():
     (x, *_) = with_uncertainty(0.0500004123456789, 0.001).reasons
     assert x == (
         "Gyro bias B_gx: 0.0500004 °/s, U = 0.0010 °/s (k = 2), is outside ±0.05 °/s "
@@ -217,7 +217,7 @@ def test_a_failure_that_rounding_would_hide_has_as_many_digits_as_show_it() -> N
     )
 
 
-def test_further_doubts_prevent_a_pass_and_stand_among_the_reasons() -> None:
+def test_further_doubts_prevent_a_pass_and_stand_among_the_reasons():
     doubt = Statement(en="the lamp flickered", zh="灯闪烁")
     decision = decide(
         calibration({"gyro_bias": item(BIAS)}), tolerance(bias_limit()), doubts=(doubt,)
@@ -233,7 +233,7 @@ def standard(valid_until: date | None) -> MeasurementStandard:
     )  # fmt: skip
 
 
-def test_a_standard_that_ran_out_before_the_day_is_a_reason() -> None:
+def test_a_standard_that_ran_out_before_the_day_is_a_reason():
     last = date(2026, 11, 20)
     assert expired([standard(last), standard(None)], last) == ()
     (reason,) = expired([standard(last)], date(2026, 11, 21))
@@ -243,7 +243,7 @@ def test_a_standard_that_ran_out_before_the_day_is_a_reason() -> None:
     )
 
 
-def test_a_second_value_missing_off_the_diagonal_leaves_the_diagonal_decided() -> None:
+def test_a_second_value_missing_off_the_diagonal_leaves_the_diagonal_decided():
     g: dict[str, float | None] = {a + b: 0.001 for a in "xyz" for b in "xyz"}
     earth = {element: v if element[0] == element[1] else None for element, v in g.items()}
     result = item(g, unit="(deg/s)/g", value_without_earth_rotation=earth)
@@ -262,9 +262,7 @@ def test_a_second_value_missing_off_the_diagonal_leaves_the_diagonal_decided() -
 
 
 @given(st.dictionaries(st.sampled_from("xyz"), st.none() | st.floats(-0.1, 0.1)), st.booleans())
-def test_a_pass_needs_every_element_inside_and_nothing_against_it(
-    value: dict[str, float | None], blocked: bool
-) -> None:
+def test_a_pass_needs_every_element_inside_and_nothing_against_it(value, blocked):
     remarks = (Remark(code="c", en="e", zh="z", blocks_pass=blocked),)
     result = calibration({"gyro_bias": item(value)}, remarks=remarks)
     passed = decide(result, tolerance(bias_limit())).verdict == "pass"
@@ -272,7 +270,7 @@ def test_a_pass_needs_every_element_inside_and_nothing_against_it(
     assert passed == (all(inside) and not blocked)
 
 
-def test_where_u_is_larger_than_the_guard_bands_allow_there_is_no_acceptance_interval() -> None:
+def test_where_u_is_larger_than_the_guard_bands_allow_there_is_no_acceptance_interval():
     decided = with_uncertainty(0.0, 0.056, rule="guard_band").limits[0]
     assert decided.verdict == "inconclusive"
     assert (decided.accept_lower, decided.accept_upper) == (None, None)
@@ -283,7 +281,7 @@ def test_where_u_is_larger_than_the_guard_bands_allow_there_is_no_acceptance_int
 
 
 @pytest.mark.parametrize("upper", [1.3338541310494842, 1.3338541310494846])
-def test_no_reason_prints_the_binary_digits_of_a_limit_or_of_a_value_near_it(upper: float) -> None:
+def test_no_reason_prints_the_binary_digits_of_a_limit_or_of_a_value_near_it(upper):
     decision = with_uncertainty(1.3338541310494844, 2.0, lower=0.0, upper=upper)
     assert decision.verdict == "inconclusive"
     digits = re.findall(r"\d+\.\d+", " ".join((*decision.reasons, *decision.reasons_zh)))
@@ -297,7 +295,7 @@ DOUBT = Statement(en="its validation failed", zh="其验证未通过")
 
 
 @pytest.mark.parametrize("y", [-0.02, -0.06])
-def test_a_doubt_about_an_item_leaves_it_undecided_and_readable(y: float) -> None:
+def test_a_doubt_about_an_item_leaves_it_undecided_and_readable(y):
     decision = decide(calibration({"gyro_bias": item(BIAS | {"y": y})}), tolerance(bias_limit()),
                       doubts_of={"gyro_bias": Doubt(DOUBT)})  # fmt: skip
     assert decision.verdict == "inconclusive"
@@ -306,7 +304,7 @@ def test_a_doubt_about_an_item_leaves_it_undecided_and_readable(y: float) -> Non
     assert (decision.reasons, decision.reasons_zh) == ((DOUBT.en,), (DOUBT.zh,))
 
 
-def test_a_doubt_about_one_item_does_not_hide_that_another_fails() -> None:
+def test_a_doubt_about_one_item_does_not_hide_that_another_fails():
     items = {"gyro_bias": item(BIAS | {"x": 1.0}), "accel_bias": item(BIAS, "m/s2")}
     limits = tolerance(bias_limit(), Limit(item="accel_bias", unit="m/s2", magnitude=1.0))
     decision = decide(calibration(items), limits, doubts_of={"accel_bias": Doubt(DOUBT)})
@@ -326,14 +324,14 @@ def test_a_doubt_about_one_item_does_not_hide_that_another_fails() -> None:
     ],
 )
 def test_a_verdict_is_conditional_where_it_hangs_on_values_within_u_of_a_limit(
-    values: tuple[float | None, ...], verdict: str, marginal: bool
-) -> None:
+    values, verdict, marginal
+):
     result = calibration({"gyro_bias": item(dict(zip("xyz", values, strict=True)))})
     decision = decide(result, tolerance(bias_limit()))
     assert (decision.verdict, decision.marginal) == (verdict, marginal)
 
 
-def test_each_verdict_carries_its_own_risk() -> None:
+def test_each_verdict_carries_its_own_risk():
     """u is U/2 = 0.0005: 0.0495 lies one u inside the limit, 0.0510 two u outside."""
     result = calibration({"gyro_bias": item({"x": 0.0495, "y": 0.0510, "z": None})})
     passed, failed, open_ = decide(result, tolerance(bias_limit())).limits
@@ -345,7 +343,7 @@ def test_each_verdict_carries_its_own_risk() -> None:
     assert passed.capability == pytest.approx(50.0)
 
 
-def test_few_degrees_of_freedom_make_a_decision_riskier() -> None:
+def test_few_degrees_of_freedom_make_a_decision_riskier():
     budget = Budget(result="x", unit="deg/s", value=0.0495, inputs=(), u_c=0.0005, dof=3, k=2.0,
                     coverage_probability=0.95, U=0.001)  # fmt: skip
     plain = item({"x": 0.0495, "y": 0.0495, "z": 0.0495})
@@ -355,7 +353,7 @@ def test_few_degrees_of_freedom_make_a_decision_riskier() -> None:
     assert y.false_acceptance == pytest.approx(0.1587, abs=1e-4)
 
 
-def test_the_value_without_earth_rotation_is_decided_on_with_its_own_uncertainty() -> None:
+def test_the_value_without_earth_rotation_is_decided_on_with_its_own_uncertainty():
     g: dict[str, float | None] = dict.fromkeys((a + b for a in "xyz" for b in "xyz"), 0.0095)
     own = dict.fromkeys(g, 0.004)
     result = item(g, unit="(deg/s)/g", value_without_earth_rotation=g)
@@ -384,16 +382,14 @@ SMALL = st.floats(0.01, 10)
         (13.6, 1.8, (12.5, 16.3), 0.66),
     ],
 )
-def test_worked_examples_of_jcgm_106_are_met(
-    value: float, u: float, limits: tuple[float, float], published: float
-) -> None:
+def test_worked_examples_of_jcgm_106_are_met(value, u, limits, published):
     assert round(probability_of_conformity(value, u, limits), 2) == published
 
 
 @pytest.mark.parametrize(
     ("z", "published"), [(0.84, 0.80), (1.28, 0.90), (1.64, 0.95), (2.33, 0.99), (3.09, 0.999)]
 )
-def test_table_1_of_jcgm_106_is_met(z: float, published: float) -> None:
+def test_table_1_of_jcgm_106_is_met(z, published):
     """One limit at z standard uncertainties from the value, on either side."""
     for limits in ((-z, math.inf), (-math.inf, z)):
         conforms = probability_of_conformity(0.0, 1.0, limits)
@@ -404,7 +400,7 @@ def test_table_1_of_jcgm_106_is_met(z: float, published: float) -> None:
 @pytest.mark.parametrize(
     ("r", "published"), [(0.0, 0.50), (0.83, 0.05), (1.0, 0.025), (1.5, 0.0016), (3.0, 1e-6)]
 )
-def test_largest_risk_of_a_guard_band_is_that_of_ilac_g8(r: float, published: float) -> None:
+def test_largest_risk_of_a_guard_band_is_that_of_ilac_g8(r, published):
     """ILAC-G8:09/2019, Table 1: a value on its acceptance limit, w = r·U with U = 2u."""
     assert probability_of_nonconformity(-2 * r, 1.0, (-math.inf, 0.0)) <= published
     assert probability_of_nonconformity(-2 * r, 1.0, (-math.inf, 0.0)) > 0.9e-3 * published
@@ -419,16 +415,14 @@ def test_largest_risk_of_a_guard_band_is_that_of_ilac_g8(r: float, published: fl
         (1.0, 0.5, 1.82, 0.008, 0.066),
     ],
 )
-def test_published_global_risks_are_met(
-    sd: float, u: float, accepted: float, consumer: float, producer: float
-) -> None:
+def test_published_global_risks_are_met(sd, u, accepted, consumer, producer):
     risks = global_risks(ProductionPrior(mean=0.0, sd=sd), u, (-2.0, 2.0), (-accepted, accepted))
     assert risks.consumer == pytest.approx(consumer, abs=0.0006)
     assert risks.producer == pytest.approx(producer, abs=0.0006)
 
 
 @pytest.mark.parametrize("dof", [math.inf, 3.0, 17.5])
-def test_a_probability_is_the_integral_of_the_density(dof: float) -> None:
+def test_a_probability_is_the_integral_of_the_density(dof):
     density = stats.norm(1.3, 0.4) if math.isinf(dof) else stats.t(dof, 1.3, 0.4)
     grid = np.linspace(0.9, 2.2, 20_001)
     plain = np.trapezoid(density.pdf(grid), grid)
@@ -436,7 +430,7 @@ def test_a_probability_is_the_integral_of_the_density(dof: float) -> None:
 
 
 @pytest.mark.parametrize("limits", [(-0.5, 1.2), (-math.inf, 0.7), (0.2, math.inf)])
-def test_global_risks_are_those_of_the_bivariate_normal(limits: tuple[float, float]) -> None:
+def test_global_risks_are_those_of_the_bivariate_normal(limits):
     prior, u, shift = ProductionPrior(mean=0.3, sd=0.6), 0.2, 0.15
     accepted = limits[0] + shift, limits[1] - shift
     risks = global_risks(prior, u, limits, accepted)
@@ -455,16 +449,14 @@ def test_global_risks_are_those_of_the_bivariate_normal(limits: tuple[float, flo
     assert risks.producer == pytest.approx(conform - inside, abs=1e-5)
 
 
-def test_a_small_risk_does_not_drown_in_rounding() -> None:
+def test_a_small_risk_does_not_drown_in_rounding():
     risk = probability_of_nonconformity(0.0, 1.0, (-math.inf, 12.0))
     assert risk == pytest.approx(1.776e-33, rel=1e-3)
     assert probability_of_conformity(0.0, 1.0, (12.0, math.inf)) == pytest.approx(risk)
 
 
 @given(REAL, SMALL, REAL, SMALL, st.floats(1, 50) | st.just(math.inf))
-def test_both_probabilities_add_up_to_one(
-    value: float, u: float, lower: float, width: float, dof: float
-) -> None:
+def test_both_probabilities_add_up_to_one(value, u, lower, width, dof):
     about = (value, u, (lower, lower + width), dof)
     total = probability_of_conformity(*about) + probability_of_nonconformity(*about)
     assert total == pytest.approx(1.0, abs=1e-12)
@@ -490,23 +482,23 @@ def marginal(rule: Criterion, value: float, U: float) -> bool:
     return rule.marginal(value, U, verdict(rule, value, U))  # type: ignore[arg-type]
 
 
-def test_a_guard_band_moves_both_limits_inwards_by_u() -> None:
+def test_a_guard_band_moves_both_limits_inwards_by_u():
     guarded = rule(rule="guard_band")
     assert guarded.accepted(0.25) == (-0.75, 0.75)
     assert [verdict(guarded, v, 0.25) for v in (0.75, 0.76, 1.2)] == ["pass", "fail", "fail"]
 
 
-def test_a_negative_factor_rejects_only_beyond_doubt() -> None:
+def test_a_negative_factor_rejects_only_beyond_doubt():
     guarded = rule(rule="guard_band", guard_band_factor=-1.0)
     assert [verdict(guarded, v, 0.25) for v in (1.2, 1.3)] == ["pass", "fail"]
 
 
-def test_a_file_without_rules_asks_for_simple_acceptance_and_a_capability_of_one() -> None:
+def test_a_file_without_rules_asks_for_simple_acceptance_and_a_capability_of_one():
     usual = rule()
     assert (usual.rule, usual.factor, usual.min_capability) == ("simple_acceptance", 0.0, 1.0)
 
 
-def test_the_rule_of_a_limit_outranks_that_of_its_file() -> None:
+def test_the_rule_of_a_limit_outranks_that_of_its_file():
     own = rule({"rule": "guard_band", "guard_band_factor": 0.5}, rule="simple_acceptance")
     assert own.accepted(0.2) == (-0.9, 0.9)
     assert rule({"rule": "simple_acceptance"}, rule="guard_band").accepted(0.2) == (-1.0, 1.0)
@@ -516,27 +508,27 @@ def test_the_rule_of_a_limit_outranks_that_of_its_file() -> None:
     assert verdict(rule({"min_capability": 0.5}, min_capability=4.0), 0.0, 1.5) == "pass"
 
 
-def test_a_one_sided_limit_has_one_acceptance_limit() -> None:
+def test_a_one_sided_limit_has_one_acceptance_limit():
     guarded = rule({"lower": None}, rule="guard_band")
     assert guarded.accepted(0.2) == (-math.inf, 0.8)
     assert guarded.capability(0.2) == math.inf
     assert verdict(guarded, -99.0, 50.0) == "pass"
 
 
-def test_a_guard_band_that_leaves_nothing_to_accept_decides_nothing() -> None:
+def test_a_guard_band_that_leaves_nothing_to_accept_decides_nothing():
     wide = rule(rule="guard_band", guard_band_factor=2.0)
     assert verdict(wide, 0.0, 0.6) == "inconclusive"
     assert verdict(wide, 0.0, 0.5) == "pass"
     assert verdict(wide, 1.7, 0.6) == "fail"
 
 
-def test_a_shared_risk_asks_for_the_agreed_uncertainty_only() -> None:
+def test_a_shared_risk_asks_for_the_agreed_uncertainty_only():
     shared = rule({"U_max": 1.5}, rule="shared_risk")
     assert [verdict(shared, 0.9, U) for U in (1.5, 1.6)] == ["pass", "inconclusive"]
     assert verdict(rule(rule="shared_risk", min_capability=3.0), 0.9, 0.4) == "inconclusive"
 
 
-def test_a_one_sided_limit_that_nothing_bounds_is_decided_on_only_where_it_is_clear() -> None:
+def test_a_one_sided_limit_that_nothing_bounds_is_decided_on_only_where_it_is_clear():
     alone = rule({"lower": None})
     assert [verdict(alone, v, 50.0) for v in (0.99, -99.0, 99.0)] == [
         "inconclusive",
@@ -551,22 +543,20 @@ def test_a_one_sided_limit_that_nothing_bounds_is_decided_on_only_where_it_is_cl
     ]
 
 
-def test_what_is_accepted_outside_its_limits_is_marginal_however_far() -> None:
+def test_what_is_accepted_outside_its_limits_is_marginal_however_far():
     generous = rule(rule="guard_band", guard_band_factor=-1.0)
     assert verdict(generous, 1.25, 0.25) == "pass"
     assert marginal(generous, 1.25, 0.25)
 
 
-def test_marginal_is_nearer_than_u_on_either_side() -> None:
+def test_marginal_is_nearer_than_u_on_either_side():
     plain = rule()
     near = [marginal(plain, v, 0.1) for v in (0.85, 0.95, 1.05, 1.15, -0.95, -1.05, 0.0)]
     assert near == [False, True, True, False, True, True, False]
 
 
 @given(VALUE, U_OF, st.sampled_from([(-1.0, 1.0), (None, 1.0), (-1.0, None)]))
-def test_what_a_full_guard_band_accepts_is_falsely_accepted_at_most_once_in_forty(
-    value: float, U: float, sides: tuple[float | None, float | None]
-) -> None:
+def test_what_a_full_guard_band_accepts_is_falsely_accepted_at_most_once_in_forty(value, U, sides):
     """One limit: Φ(−2) = 2.275 %. Two: twice that where both are a whole U away, 4.6 %."""
     guarded = rule({"lower": sides[0], "upper": sides[1]}, rule="guard_band")
     if verdict(guarded, value, U) == "pass":
@@ -577,7 +567,7 @@ def test_what_a_full_guard_band_accepts_is_falsely_accepted_at_most_once_in_fort
 
 
 @pytest.mark.parametrize("factor", [0.0, 1.0])
-def test_the_acceptance_limit_itself_is_accepted(factor: float) -> None:
+def test_the_acceptance_limit_itself_is_accepted(factor):
     guarded = rule(rule="guard_band", guard_band_factor=factor)
     assert all(verdict(guarded, edge, 0.25) == "pass" for edge in guarded.accepted(0.25))
 
@@ -602,37 +592,37 @@ def names(result: Calibration, largest: float | None) -> list[str]:
     return [each.name for each in deviations(result, Configuration(rate_range_deg_s=largest))]
 
 
-def test_the_largest_rate_of_the_units_range_has_to_be_included_about_every_axis() -> None:
+def test_the_largest_rate_of_the_units_range_has_to_be_included_about_every_axis():
     assert names(turned(-500.0), 500.0) == []
     assert names(turned(300.0), 500.0) == ["largest_rate"]
     assert names(turned(500.0, ("x", "y")), 500.0) == ["largest_rate"]
 
 
-def test_a_range_that_nobody_states_was_not_checked() -> None:
+def test_a_range_that_nobody_states_was_not_checked():
     assert names(turned(500.0), None) == ["largest_rate"]
 
 
-def test_a_unit_that_was_not_turned_has_no_largest_rate_to_check() -> None:
+def test_a_unit_that_was_not_turned_has_no_largest_rate_to_check():
     assert names(calibration({}), None) == []
 
 
-def test_jjf_1536_asks_for_rates_within_the_range_and_not_for_the_largest() -> None:
+def test_jjf_1536_asks_for_rates_within_the_range_and_not_for_the_largest():
     assert names(turned(100.0, method="jjf1536"), 500.0) == []
 
 
-def test_air_that_was_not_recorded_is_a_condition_that_was_not_checked() -> None:
+def test_air_that_was_not_recorded_is_a_condition_that_was_not_checked():
     remark = Remark(code="environment_not_recorded", en="Air.", zh="Air.")
     assert names(turned(500.0, remarks=(remark,)), 500.0) == ["environment"]
 
 
 @pytest.mark.parametrize("waived", [(), WAIVED])
-def test_what_the_order_waives_is_still_told(waived: tuple[ConditionName, ...]) -> None:
+def test_what_the_order_waives_is_still_told(waived):
     (each,) = deviations(turned(300.0), Configuration(rate_range_deg_s=500.0), waived)
     assert each.waived == bool(waived)
     assert each.printed.id == f"conformity-deviation.{'waived' if waived else 'open'}"
 
 
-def test_the_order_adds_to_the_manifest_and_may_not_contradict_it() -> None:
+def test_the_order_adds_to_the_manifest_and_may_not_contradict_it():
     unit = Unit.model_validate(
         {"manufacturer": "M", "model": "U", "serial": "1", "rate_range_deg_s": 500}
     )
@@ -650,7 +640,7 @@ def test_the_order_adds_to_the_manifest_and_may_not_contradict_it() -> None:
 TWELVE_SIGMA = 1.7764821120776789e-33  # ½·erfc(12/√2)
 
 
-def test_a_risk_of_twelve_sigma_has_its_digits() -> None:
+def test_a_risk_of_twelve_sigma_has_its_digits():
     assert 0.5 * math.erfc(12.0 / math.sqrt(2.0)) == pytest.approx(TWELVE_SIGMA, rel=1e-9, abs=0.0)
     above, below = (12.0, math.inf), (-math.inf, -12.0)
     for limits in (above, below, (12.0, 40.0), (-40.0, -12.0)):
@@ -661,7 +651,7 @@ def test_a_risk_of_twelve_sigma_has_its_digits() -> None:
         assert outside == pytest.approx(TWELVE_SIGMA, rel=1e-6, abs=0.0)
 
 
-def test_the_risk_of_a_value_counts_with_u_and_not_with_half_of_the_expanded_one() -> None:
+def test_the_risk_of_a_value_counts_with_u_and_not_with_half_of_the_expanded_one():
     uncertain = item({"x": 0.04}, k=4.0).model_copy(update={"U": {"x": 0.04}, "u": {"x": 0.01}})
     made = decide(calibration({"gyro_bias": uncertain}), tolerance(bias_limit())).limits[0]
     one_sigma = 0.5 * math.erfc(1.0 / math.sqrt(2.0))

@@ -30,14 +30,14 @@ def experiment(*effects: str) -> Experiment:
     )
 
 
-def test_what_is_promised_grows_with_the_difference_and_is_right_where_it_is_enough() -> None:
+def test_what_is_promised_grows_with_the_difference_and_is_right_where_it_is_enough():
     chances = [probability_right(left, 30.0) for left in (0.0, 10.0, 30.0, enough(30.0), 200.0)]
     assert chances == sorted(chances)
     assert chances[0] == 0.0
     assert chances[3] == pytest.approx(0.95, abs=0.005)
 
 
-def test_ramps_are_planned_as_the_table_makes_them() -> None:
+def test_ramps_are_planned_as_the_table_makes_them():
     """Of the plant's, whose acceleration comes and goes as sin², ∫α²dt is ¾ of the limit's."""
     able = Abilities.of_recording(recorded())
     assert able.ramp_share == pytest.approx(0.75, abs=0.07)
@@ -53,7 +53,7 @@ def test_ramps_are_planned_as_the_table_makes_them() -> None:
     assert slower > faster
 
 
-def test_a_ramp_of_constant_acceleration_shows_all_of_its_limit() -> None:
+def test_a_ramp_of_constant_acceleration_shows_all_of_its_limit():
     able = replace(Abilities.of_recording(recorded()), ramp_share=1.0)
     made = Experiment({}, None, able, recorded().manifest, "d")  # type: ignore[arg-type]
     block = next(one for one in blocks_of(able) if one.name == "rates_pz")
@@ -62,7 +62,7 @@ def test_a_ramp_of_constant_acceleration_shows_all_of_its_limit() -> None:
 
 
 @pytest.mark.rehearsal
-def test_a_suspected_effect_gets_a_recording_that_would_show_it() -> None:
+def test_a_suspected_effect_gets_a_recording_that_would_show_it():
     made = experiment("lever_arm")
     assert set(made.models) == {"lever_arm", NOTHING}
     choice = made.shortest(15.0)
@@ -71,7 +71,7 @@ def test_a_suspected_effect_gets_a_recording_that_would_show_it() -> None:
     assert choice.left >= enough(choice.bound)
 
 
-def test_what_is_left_where_nothing_shows_need_not_show_itself() -> None:
+def test_what_is_left_where_nothing_shows_need_not_show_itself():
     names = dict.fromkeys(("temperature_bias", "thermal_transient"))
     plain = Experiment(names, None, None, None, "d")  # type: ignore[arg-type]
     silent = replace(plain, by_silence="thermal_transient", rivals={NOTHING: None})  # type: ignore[dict-item]
@@ -98,7 +98,7 @@ class Optimistic(Experiment):
         return Choice(None, 100.0 * len(chosen) / 60.0, left, 30.0, left)  # type: ignore[arg-type]
 
 
-def test_blocks_are_added_until_the_real_form_shows_enough(monkeypatch) -> None:
+def test_blocks_are_added_until_the_real_form_shows_enough(monkeypatch):
     monkeypatch.setattr("tasks.experiment.choose._total", lambda some: some)
     made = Optimistic({}, None, None, None, "d")  # type: ignore[arg-type]
     assert made.shortest(15.0).minutes == pytest.approx(5.0)

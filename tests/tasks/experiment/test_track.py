@@ -40,7 +40,7 @@ def angles(*steps: Position | RateRun | Turns) -> tuple[np.ndarray, np.ndarray, 
     return planned.table.t, np.degrees(table), rows
 
 
-def test_nothing_is_faster_or_more_sudden_than_the_procedure_allows() -> None:
+def test_nothing_is_faster_or_more_sudden_than_the_procedure_allows():
     _, found, _ = angles(REST, SPIN, TURNS, REST)
     rate = np.diff(found, axis=0) * HZ
     assert np.abs(rate).max() <= 200.0 * (1 + 1e-6)
@@ -48,7 +48,7 @@ def test_nothing_is_faster_or_more_sudden_than_the_procedure_allows() -> None:
     assert np.abs(np.diff(rate, axis=0) * HZ).max() <= 100.0 * 1.1
 
 
-def test_rests_are_at_their_angles_and_rates_at_their_rates_for_their_times() -> None:
+def test_rests_are_at_their_angles_and_rates_at_their_rates_for_their_times():
     t, found, (rest, fast, back) = angles(REST, SPIN)
     assert found[rest] == pytest.approx(np.tile((0.0, 90.0, 0.0), (rest.stop - rest.start, 1)))
     assert t[rest][-1] - t[rest][0] == pytest.approx(2.0, abs=2 / HZ)
@@ -57,7 +57,7 @@ def test_rests_are_at_their_angles_and_rates_at_their_rates_for_their_times() ->
         assert t[rows][-1] - t[rows][0] == pytest.approx(1.5, abs=2 / HZ)
 
 
-def test_a_rate_run_at_other_angles_begins_there_from_rest() -> None:
+def test_a_rate_run_at_other_angles_begins_there_from_rest():
     aslant = RateRun(
         name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
     )
@@ -68,7 +68,7 @@ def test_a_rate_run_at_other_angles_begins_there_from_rest() -> None:
     assert np.abs(np.diff(found[:, 0]))[moving] == pytest.approx(0.0, abs=1e-9)
 
 
-def test_the_label_of_a_unit_held_aslant_names_the_axis_of_the_table() -> None:
+def test_the_label_of_a_unit_held_aslant_names_the_axis_of_the_table():
     aslant = RateRun(
         name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
     )
@@ -78,7 +78,7 @@ def test_the_label_of_a_unit_held_aslant_names_the_axis_of_the_table() -> None:
     assert (tilted.axis, tilted.table_axis, tilted.up) == (None, 0, None)
 
 
-def test_the_thermometer_follows_the_chamber_from_the_step_that_sets_it() -> None:
+def test_the_thermometer_follows_the_chamber_from_the_step_that_sets_it():
     chamber = ChamberLimits(temperature_degc=(0, 50), rate_k_min=600.0)
     heated = REST.model_copy(update={"name": "hot", "chamber_degc": 40.0, "dwell_s": 20.0})
     planned = planned_recording(
@@ -91,13 +91,13 @@ def test_the_thermometer_follows_the_chamber_from_the_step_that_sets_it() -> Non
     assert "temperature" not in cold.imu.columns
 
 
-def test_turns_are_whole_ones_forward_and_back_from_rest_to_rest() -> None:
+def test_turns_are_whole_ones_forward_and_back_from_rest_to_rest():
     _, found, (forward, back) = angles(TURNS)
     for rows, turned in ((forward, 720.0), (back, -720.0)):
         assert found[rows][-1, 0] - found[rows][0, 0] == pytest.approx(turned, abs=0.01)
 
 
-def test_a_unit_that_is_turned_over_is_not_planned_for() -> None:
+def test_a_unit_that_is_turned_over_is_not_planned_for():
     over = Refix(name="over", mount=Mount(), instruction="Turn.", instruction_zh="翻转。")
     with pytest.raises(ValueError, match="turns the unit over"):
         planned_recording(procedure(over, REST), MANIFEST, HZ)

@@ -40,12 +40,12 @@ def limits() -> Tolerance:
     })  # fmt: skip
 
 
-def test_equal_results_of_other_code_differ_in_nothing(limits: Tolerance) -> None:
+def test_equal_results_of_other_code_differ_in_nothing(limits):
     found = difference(result(), result(code_version="2"), limits)
     assert (found.changed, found.flips) == ((), ())
 
 
-def test_a_moved_value_is_the_only_change_and_is_counted_in_its_uncertainty_before() -> None:
+def test_a_moved_value_is_the_only_change_and_is_counted_in_its_uncertainty_before():
     (change,) = difference(result(), result(0.29, 0.08)).changed
     assert (change.run, change.item, change.element, change.unit) == (
         "r1", "gyro_bias", "x", "deg/s",
@@ -56,7 +56,7 @@ def test_a_moved_value_is_the_only_change_and_is_counted_in_its_uncertainty_befo
     assert change.in_U == pytest.approx(2.0)
 
 
-def test_what_moves_by_less_than_the_stated_share_of_u_is_no_change() -> None:
+def test_what_moves_by_less_than_the_stated_share_of_u_is_no_change():
     for x, U in ((0.25 + 1.4e-11 * 0.02, 0.02), (0.25 + 0.0099 * 0.02, 0.02), (0.25, 0.020_19)):
         assert difference(result(), result(x, U)).changed == ()
     for x, U in ((0.25 + 0.0101 * 0.02, 0.02), (0.25, 0.020_21)):
@@ -65,18 +65,18 @@ def test_what_moves_by_less_than_the_stated_share_of_u_is_no_change() -> None:
     assert change.in_U is None
 
 
-def test_a_value_that_is_no_longer_determined_has_no_distance() -> None:
+def test_a_value_that_is_no_longer_determined_has_no_distance():
     (change,) = difference(result(), result(None, None)).changed
     assert (change.before, change.after, change.in_U) == (0.25, None, None)
 
 
-def test_an_item_that_is_new_is_a_change_of_each_of_its_elements() -> None:
+def test_an_item_that_is_new_is_a_change_of_each_of_its_elements():
     found = difference(result(items={}), result())
     assert [change.element for change in found.changed] == ["x", "y", "z"]
     assert {change.before for change in found.changed} == {None}
 
 
-def test_a_value_that_leaves_its_limits_flips_its_element_and_the_unit(limits: Tolerance) -> None:
+def test_a_value_that_leaves_its_limits_flips_its_element_and_the_unit(limits):
     flips = difference(result(), result(0.35), limits).flips
     assert [(f.about, f.element, f.before, f.after) for f in flips] == [
         ("unit", None, "pass", "fail"),
@@ -84,7 +84,7 @@ def test_a_value_that_leaves_its_limits_flips_its_element_and_the_unit(limits: T
     ]
 
 
-def test_a_run_that_is_invalid_now_flips_the_run() -> None:
+def test_a_run_that_is_invalid_now_flips_the_run():
     remark = Remark(code="stuck", en="It stood still.", zh="停。", run="invalid")
     (flip,) = difference(result(), result(remarks=(remark,))).flips
     assert (flip.about, flip.before, flip.after) == ("run", "valid", "invalid")
@@ -108,7 +108,7 @@ def texts_of(*changed: Change) -> dict[str, str]:
     return report_texts(reprocessing(*changed))
 
 
-def test_json_table_and_picture_hold_the_same_changes() -> None:
+def test_json_table_and_picture_hold_the_same_changes():
     moved = CHANGE.model_copy(update={"after": 0.5, "in_U": 12.5, "element": "y"})
     report = reprocessing(CHANGE, moved)
     texts = report_texts(report)
@@ -122,7 +122,7 @@ def test_json_table_and_picture_hold_the_same_changes() -> None:
     assert "bias" in texts["changed.svg"]
 
 
-def test_what_is_no_longer_determined_stands_apart_from_the_smallest_steps() -> None:
+def test_what_is_no_longer_determined_stands_apart_from_the_smallest_steps():
     kept = CHANGE.model_copy(update={"after": 0.25, "in_U": 0.0})
     assert "determined before or now only" in texts_of(CHANGE)["changed.svg"]
     assert "determined" not in report_texts(reprocessing(kept))["changed.svg"]

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -53,7 +52,7 @@ def contract() -> dict[str, str]:
     return found
 
 
-def test_the_contracts_names_are_there_with_their_families() -> None:
+def test_the_contracts_names_are_there_with_their_families():
     families = {term.name: term.family for term in TERMS}
     families |= {event.name: event.family for event in EVENTS.values()}
     expected = contract()
@@ -65,7 +64,7 @@ def test_the_contracts_names_are_there_with_their_families() -> None:
 
 
 @pytest.mark.parametrize("effect", [*of_each_name(), *EVENTS.values()], ids=lambda e: e.name)
-def test_an_effect_is_described_in_both_languages(effect: Effect) -> None:
+def test_an_effect_is_described_in_both_languages(effect):
     todo = next_step(effect.name)
     assert effect.separated_by is not None
     assert todo is not None
@@ -79,7 +78,7 @@ def test_an_effect_is_described_in_both_languages(effect: Effect) -> None:
     assert effect.confused_with
 
 
-def test_an_effect_without_an_entry_is_spelled_out() -> None:
+def test_an_effect_without_an_entry_is_spelled_out():
     toy = Effect("toy_effect", "site", "event", "y = x", "a test")
     assert (toy.title, toy.separated_by, effect_name(toy.name)) == (
         "toy effect",
@@ -89,7 +88,7 @@ def test_an_effect_without_an_entry_is_spelled_out() -> None:
 
 
 @pytest.mark.parametrize("term", TERMS, ids=lambda t: f"{t.name}{t.at}")
-def test_parameters_have_units_and_a_plausible_range_around_the_ideal(term: Term) -> None:
+def test_parameters_have_units_and_a_plausible_range_around_the_ideal(term):
     assert len(term.at) == len(term.shapes)
     assert len({parameter.name for parameter in term.parameters}) == len(term.parameters)
     for parameter in (*term.parameters, *term.shapes):
@@ -113,7 +112,7 @@ IN_SI = {
 }  # fmt: skip
 
 
-def test_every_unit_of_the_catalogue_is_that_of_its_value() -> None:
+def test_every_unit_of_the_catalogue_is_that_of_its_value():
     sized = [free for term in TERMS if (free := term.with_free_size())]
     stated = (*TERMS, *sized, *STANDARD_TERMS)
     every = [p for term in stated for p in (*term.parameters, *term.shapes)]
@@ -132,8 +131,8 @@ def test_every_unit_of_the_catalogue_is_that_of_its_value() -> None:
     ],
 )  # fmt: skip
 def test_a_term_with_an_unknown_or_another_unit_is_not_in_the_catalogue(
-    unit: str, si: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    unit, si, tmp_path, monkeypatch
+):
     (tmp_path / "swell.py").write_text(
         "from tasks.model.term import single\n"
         f"SWELL = single('height', 'h', ({unit!r}, {si!r}, 1.0))\n"
@@ -147,20 +146,20 @@ def test_a_term_with_an_unknown_or_another_unit_is_not_in_the_catalogue(
 
 
 @pytest.mark.parametrize("term", [t for t in TERMS if t.parameters], ids=lambda t: t.name)
-def test_an_ideal_unit_shows_nothing_of_an_effect(term: Term) -> None:
+def test_an_ideal_unit_shows_nothing_of_an_effect(term):
     ideal = nominal_values(STANDARD_TERMS)
     with_it = predict((term, *STANDARD_TERMS), motion(), nominal_values((term, *STANDARD_TERMS)))
     assert np.abs(with_it - predict(STANDARD_TERMS, motion(), ideal)).max() < 1e-12
 
 
 @pytest.mark.parametrize("term", [t for t in TERMS if t.shapes], ids=lambda t: f"{t.name}{t.at}")
-def test_variants_of_one_effect_differ_in_their_shapes(term: Term) -> None:
+def test_variants_of_one_effect_differ_in_their_shapes(term):
     same = [t for t in TERMS if (t.name, t.equation, t.at) == (term.name, term.equation, term.at)]
     assert len({tuple(p.name for p in t.parameters) for t in same}) == len(same)
     assert term.shaped(term.at) == term
 
 
-def test_what_was_not_recorded_is_no_candidate() -> None:
+def test_what_was_not_recorded_is_no_candidate():
     bare = replace(motion(), axes=None, recorded={}, north=np.full((len(T), 3), np.nan))
     missing = {t.name for t in TERMS} - {t.name for t in catalogue(recording(None), bare)}
     assert missing == {
@@ -171,14 +170,14 @@ def test_what_was_not_recorded_is_no_candidate() -> None:
     }  # fmt: skip
 
 
-def test_a_unit_that_never_turned_shows_nothing_of_turning() -> None:
+def test_a_unit_that_never_turned_shows_nothing_of_turning():
     still = replace(motion(), rate=np.zeros((len(T), 3)), acceleration=np.zeros((len(T), 3)))
     names = {term.name for term in catalogue(recording(), still)}
     assert not names & {"lever_arm", "gyro_scale_asymmetry", "hysteresis", "structural_compliance"}
     assert {"gyro_g2_sensitivity", "accel_nonlinearity", "temperature_bias"} <= names
 
 
-def test_one_file_more_is_one_effect_more(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_one_file_more_is_one_effect_more(tmp_path, monkeypatch):
     (tmp_path / "tides.py").write_text(
         "from tasks.model.term import Term\n"
         "TIDE = Term('tide', 'site', 'input', 'g(t)', 'a test', ())\n"
@@ -191,7 +190,7 @@ def test_one_file_more_is_one_effect_more(tmp_path: Path, monkeypatch: pytest.Mo
     assert sorted(added) == sorted([*(term.name for term in TERMS), "tide"])
 
 
-def test_no_effect_behaves_by_its_name() -> None:
+def test_no_effect_behaves_by_its_name():
     for term in TERMS:
         for language in ("en", "zh"):
             behaviour = say(term.behaviour, language)
@@ -222,13 +221,13 @@ def by_hand(values: np.ndarray, rate: np.ndarray, force: np.ndarray) -> np.ndarr
     return np.hstack([gyro, force @ ka.T + ba + rate**2 @ p.T])
 
 
-def test_the_standard_terms_are_models_1_and_2() -> None:
+def test_the_standard_terms_are_models_1_and_2():
     values = drawn(STANDARD_TERMS)
     expected = by_hand(values, MOTION.rate, GRAVITY * MOTION.up)
     assert predict(STANDARD_TERMS, MOTION, values) == pytest.approx(expected, abs=1e-12)
 
 
-def test_earth_rotation_and_lever_arm_act_before_the_sensor() -> None:
+def test_earth_rotation_and_lever_arm_act_before_the_sensor():
     latitude, r = 0.6, np.array([0.02, -0.05, 0.01])
     terms = (earth_rotation(latitude), LEVER_ARM, *STANDARD_TERMS)
     values = drawn(STANDARD_TERMS)
@@ -244,7 +243,7 @@ def test_earth_rotation_and_lever_arm_act_before_the_sensor() -> None:
     assert read[:, :3] == pytest.approx(expected[:, :3], abs=1e-12)
 
 
-def test_every_column_of_a_sensor_goes_through_the_delays_behind_it() -> None:
+def test_every_column_of_a_sensor_goes_through_the_delays_behind_it():
     terms = (*STANDARD_TERMS, ACCEL_AXIS_SKEW, TIME_OFFSET)
     values = drawn(terms)
     design = linearise(terms, MOTION, values)
@@ -260,7 +259,7 @@ def test_every_column_of_a_sensor_goes_through_the_delays_behind_it() -> None:
             assert series == pytest.approx(read[:, channel], abs=1e-12)
 
 
-def test_where_north_is_unknown_only_the_vertical_part_of_earth_rotation_is_added() -> None:
+def test_where_north_is_unknown_only_the_vertical_part_of_earth_rotation_is_added():
     from dataclasses import replace
 
     blind = replace(MOTION, north=np.full_like(MOTION.north, np.nan))

@@ -27,14 +27,14 @@ def swing(t: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("rate_hz", [50.0, 100.0, 1000.0])
-def test_derivatives_of_a_swing(rate_hz: float) -> None:
+def test_derivatives_of_a_swing(rate_hz):
     t = np.arange(0.0, 10.0, 1 / rate_hz)
     found = smooth_derivatives(t, swing(t)[0][:, None], T[100:-100])
     for observed, true in zip(found, swing(T[100:-100]), strict=True):
         assert observed[:, 0] == pytest.approx(true, abs=0.02)
 
 
-def test_the_noise_of_the_encoder_does_not_become_acceleration() -> None:
+def test_the_noise_of_the_encoder_does_not_become_acceleration():
     noise = 5e-6 * np.random.default_rng(4).standard_normal(len(T))
     angle = (0.3 * T**2 + noise)[:, None]
     _, _, acceleration = smooth_derivatives(T, angle, T[100:-100])
@@ -43,7 +43,7 @@ def test_the_noise_of_the_encoder_does_not_become_acceleration() -> None:
     assert np.diff(angle[:, 0], 2).std() / 0.01**2 > 0.1  # what it would be without a window
 
 
-def test_ramps_keep_their_sharp_ends() -> None:
+def test_ramps_keep_their_sharp_ends():
     rate = np.clip(2.0 * (T - 3.0), 0.0, 5.0)
     angle = np.cumsum(rate) * 0.01
     _, _, acceleration = smooth_derivatives(T, angle[:, None], T)
@@ -52,14 +52,14 @@ def test_ramps_keep_their_sharp_ends() -> None:
     assert gain == pytest.approx(1.0, abs=0.01)
 
 
-def test_nothing_is_known_in_a_gap_of_the_samples() -> None:
+def test_nothing_is_known_in_a_gap_of_the_samples():
     kept = (T < 4.0) | (T > 6.0)
     found = smooth_derivatives(T[kept], swing(T[kept])[0][:, None], np.array([2.0, 5.0, 8.0, 11.0]))
     for each in found:
         assert np.isfinite(each[:, 0]).tolist() == [True, False, True, False]
 
 
-def test_no_derivative_is_made_of_a_line_drawn_over_a_gap() -> None:
+def test_no_derivative_is_made_of_a_line_drawn_over_a_gap():
     kept = (T < 4.0) | (T > 4.08)  # short enough for the angle to be known all through
     angle, rate, acceleration = smooth_derivatives(T[kept], swing(T[kept])[0][:, None], T[100:-100])
     assert np.isfinite(angle).all()
@@ -69,7 +69,7 @@ def test_no_derivative_is_made_of_a_line_drawn_over_a_gap() -> None:
         assert found[known, 0] == pytest.approx(true[100:-100][known], abs=0.02)
 
 
-def test_a_fast_oscillation_is_as_large_between_the_samples_as_at_them() -> None:
+def test_a_fast_oscillation_is_as_large_between_the_samples_as_at_them():
     """Else every unit whose clock is late would seem to amplify, as one that has a lead does."""
     pulse = 2 * np.pi * 3.0
     middles = T[100:-100] + 0.005
@@ -77,7 +77,7 @@ def test_a_fast_oscillation_is_as_large_between_the_samples_as_at_them() -> None
     assert rate[:, 0] == pytest.approx(pulse * np.cos(pulse * middles), abs=3e-3 * pulse)
 
 
-def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:
+def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp():
     rate = 2.5 * (1.0 - np.cos(np.pi * T / 2.0))
     angle = (2.5 * (T - 2.0 / np.pi * np.sin(np.pi * T / 2.0)))[:, None]
     inner = T[100:-100]
@@ -88,7 +88,7 @@ def test_the_rate_of_a_quiet_encoder_is_not_rounded_on_a_smooth_ramp() -> None:
     assert (noisy[:, 0] - rate[100:-100]).std() < 0.5 * 0.95 * 1e-4 / 0.01  # not the quartic's
 
 
-def test_a_coarse_encoder_does_not_damp_a_shaft_that_shakes() -> None:
+def test_a_coarse_encoder_does_not_damp_a_shaft_that_shakes():
     """A stepper's resonance of 13 Hz, ten times the encoder's step: a parabola takes a third."""
     angle = 0.006 * np.sin(2 * np.pi * 13.0 * T)
     rate = 0.006 * 2 * np.pi * 13.0 * np.cos(2 * np.pi * 13.0 * T)[100:-100]
@@ -98,7 +98,7 @@ def test_a_coarse_encoder_does_not_damp_a_shaft_that_shakes() -> None:
 
 
 @pytest.mark.parametrize("interval", [0.01 - 1e-14, 0.01, 0.01 + 1e-14])
-def test_the_last_digit_of_a_stamp_chooses_no_window(interval: float) -> None:
+def test_the_last_digit_of_a_stamp_chooses_no_window(interval):
     t = interval * np.arange(1000)
     _, rate, _ = smooth_derivatives(t, swing(t)[0][:, None], t[100:-100])
     _, at_once, _ = smooth_derivatives(T, swing(T)[0][:, None], T[100:-100])
@@ -126,21 +126,21 @@ def errors(of: EncoderRate) -> np.ndarray:
     return of.rate[:, 0] - TRUE
 
 
-def test_a_coarse_encoder_is_smoothed_by_as_much_as_rests_and_held_rates_bear() -> None:
+def test_a_coarse_encoder_is_smoothed_by_as_much_as_rests_and_held_rates_bear():
     of = found(NOISE)
     steady = (CORNERS > 3.0) & (T_ENCODER_RATE > 1.0) & (T_ENCODER_RATE < 59.0)
     shortest = NOISE * np.linalg.norm(of.kernels[0]) / 0.01
     assert errors(of)[steady].std() < 0.02 * shortest
 
 
-def test_the_ends_of_a_ramp_are_not_rounded_off() -> None:
+def test_the_ends_of_a_ramp_are_not_rounded_off():
     of = found(NOISE)
     near = CORNERS < 0.5
     assert np.sqrt((errors(of)[near] ** 2 / of.variance[near, 0]).mean()) < 1.5
     assert np.abs(errors(of)).max() < 0.25  # half a second of smoothing would round off 0.4
 
 
-def test_the_variance_is_that_of_the_errors_and_of_their_means() -> None:
+def test_the_variance_is_that_of_the_errors_and_of_their_means():
     of = found(NOISE)
     turning = ~of.at_rest[:, 0]  # each rest has one error
     ratio = errors(of)[turning] ** 2 / of.variance[turning, 0]
@@ -151,13 +151,13 @@ def test_the_variance_is_that_of_the_errors_and_of_their_means() -> None:
     assert np.sqrt((means**2).mean()) == pytest.approx(np.sqrt(expected.mean()), rel=0.5)
 
 
-def test_a_fine_encoder_keeps_the_shortest_window() -> None:
+def test_a_fine_encoder_keeps_the_shortest_window():
     of = found(1e-9)
     assert len(of.kernels) == 1
     assert np.abs(errors(of)[CORNERS > 0.1]).max() < 0.01
 
 
-def test_a_rest_has_one_rate_whose_mean_is_no_less_uncertain() -> None:
+def test_a_rest_has_one_rate_whose_mean_is_no_less_uncertain():
     of = found(NOISE)
     rest = of.at_rest[:, 0] & (T_ENCODER_RATE < 20.0)
     assert rest.mean() > 0.3
@@ -165,7 +165,7 @@ def test_a_rest_has_one_rate_whose_mean_is_no_less_uncertain() -> None:
     assert of.variance_of_mean(0.5)[rest] == pytest.approx(of.variance[rest])
 
 
-def test_a_rest_of_which_an_encoder_gives_one_sample_has_no_rate_of_its_own() -> None:
+def test_a_rest_of_which_an_encoder_gives_one_sample_has_no_rate_of_its_own():
     """Read once in four seconds; of the rests in between smoothing leaves the middle alone."""
     angle = np.repeat([0.0, 0.5, 1.0, 1.5], 11)
     found = list(rests(angle, 4.0, np.full(len(angle), 1e-12)))
@@ -189,7 +189,7 @@ def found_rests(rate: np.ndarray, seed: int = 3, step: float = 0.0) -> list[Rest
     return list(rests(angle, 0.01, variance))
 
 
-def test_the_stretches_before_and_after_a_turn_are_rests_up_to_its_corners() -> None:
+def test_the_stretches_before_and_after_a_turn_are_rests_up_to_its_corners():
     for seed in range(10):
         before, after = found_rests(RAMPS, seed)
         assert before.first < 10
@@ -199,7 +199,7 @@ def test_the_stretches_before_and_after_a_turn_are_rests_up_to_its_corners() -> 
 
 
 @pytest.mark.parametrize("step", [0.0, 2e-3])
-def test_the_rate_of_a_rest_is_as_uncertain_as_it_errs(step: float) -> None:
+def test_the_rate_of_a_rest_is_as_uncertain_as_it_errs(step):
     drift = 2e-5 * np.ones_like(T_RESTS)
     errors = [
         (one.rate - 2e-5) / one.u for seed in range(40) for one in found_rests(drift, seed, step)
@@ -207,7 +207,7 @@ def test_the_rate_of_a_rest_is_as_uncertain_as_it_errs(step: float) -> None:
     assert np.sqrt(np.mean(np.square(errors))) == pytest.approx(1.0, abs=0.3)
 
 
-def test_a_rate_that_is_held_and_one_that_swings_are_no_rests() -> None:
+def test_a_rate_that_is_held_and_one_that_swings_are_no_rests():
     assert not found_rests(np.full_like(T_RESTS, 0.02))
     assert not found_rests(0.05 * np.sin(2.0 * np.pi * 0.2 * T_RESTS))
     assert not found_rests(
@@ -226,7 +226,7 @@ def ahrs(angle: np.ndarray, t: np.ndarray = T_ANGLE_RATES) -> Recording:
     return Recording(MANIFEST, Stream(t, columns | {"accel_z": 9.8 + t}))
 
 
-def test_rates_are_what_each_interval_gained_and_stand_in_its_middle() -> None:
+def test_rates_are_what_each_interval_gained_and_stand_in_its_middle():
     rates = as_mean_rates(ahrs(0.1 * T_ANGLE_RATES**2)).imu
     assert rates.span == pytest.approx(0.1)
     assert rates.t == pytest.approx(T_ANGLE_RATES[:-1] + 0.05)
@@ -236,7 +236,7 @@ def test_rates_are_what_each_interval_gained_and_stand_in_its_middle() -> None:
     assert not set(ANGLE) & set(rates.columns)
 
 
-def test_nothing_is_told_where_angles_began_anew_or_samples_were_lost() -> None:
+def test_nothing_is_told_where_angles_began_anew_or_samples_were_lost():
     restarted = as_mean_rates(
         ahrs(np.where(T_ANGLE_RATES < 9.95, 50.0 + T_ANGLE_RATES, T_ANGLE_RATES - 10.0))
     ).imu
@@ -246,7 +246,7 @@ def test_nothing_is_told_where_angles_began_anew_or_samples_were_lost() -> None:
     assert np.flatnonzero(np.isnan(lost.stack(GYRO)).any(axis=1)).tolist() == [49]
 
 
-def test_a_unit_that_gives_rates_is_read_by_them() -> None:
+def test_a_unit_that_gives_rates_is_read_by_them():
     recording = ahrs(T_ANGLE_RATES)
     columns = dict.fromkeys(CHANNELS, np.zeros(len(T_ANGLE_RATES)))
     both = Recording(MANIFEST, Stream(T_ANGLE_RATES, {**recording.imu.columns, **columns}))
@@ -278,7 +278,7 @@ def turned(step: float) -> Recording:
     )
 
 
-def test_smoothing_again_takes_about_what_smoothing_took() -> None:
+def test_smoothing_again_takes_about_what_smoothing_took():
     recording = turned(2e-3)
     course = smooth_course(recording.table, ("a_angle",))
     assert course is not None
@@ -290,7 +290,7 @@ def test_smoothing_again_takes_about_what_smoothing_took() -> None:
     assert again == pytest.approx(owed, rel=0.4)
 
 
-def test_nothing_is_lost_where_no_encoder_is_read() -> None:
+def test_nothing_is_lost_where_no_encoder_is_read():
     recording = turned(0.0)
     assert not lost_acceleration(
         Recording(recording.manifest, recording.imu), T_SMOOTHING_ERROR

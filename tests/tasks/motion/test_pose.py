@@ -18,7 +18,7 @@ def rms(values: np.ndarray) -> float:
     return float(np.sqrt((values**2).mean()))
 
 
-def test_positions_give_the_specific_force_of_a_body_that_moves() -> None:
+def test_positions_give_the_specific_force_of_a_body_that_moves():
     motion, true = whole_motion(recording()), by_hand(T)
     force = GRAVITY * true.up + true.translation
     assert rms(true.translation) > 1.5
@@ -27,16 +27,14 @@ def test_positions_give_the_specific_force_of_a_body_that_moves() -> None:
     assert motion.up[INNER] == pytest.approx(true.up[INNER], abs=1e-3)
 
 
-def test_exact_poses_give_an_exact_motion() -> None:
+def test_exact_poses_give_an_exact_motion():
     motion, true = whole_motion(recording(reference=poses(1, 0.0, 0.0))), by_hand(T)
     assert rms((motion.translation - true.translation)[INNER]) < 5e-3
     assert rms((motion.acceleration - true.acceleration)[INNER]) < 0.05
 
 
 @pytest.mark.parametrize("noise", [0.0, 2e-4])
-def test_neither_the_smoothing_nor_the_time_between_frames_makes_a_swing_smaller(
-    noise: float,
-) -> None:
+def test_neither_the_smoothing_nor_the_time_between_frames_makes_a_swing_smaller(noise):
     """At 120 Hz a straight line from frame to frame takes 3e-4 of a swing at 1.2 Hz."""
     motion, true = whole_motion(recording(reference=poses(1, noise, noise))), by_hand(T)
     inner = (T > 2.0) & (T < SECONDS - 2.0)
@@ -46,7 +44,7 @@ def test_neither_the_smoothing_nor_the_time_between_frames_makes_a_swing_smaller
         assert gain == pytest.approx(1.0, abs=5e-5)
 
 
-def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet_ones() -> None:
+def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet_ones():
     frames = poses()
     rows = T[: np.searchsorted(T, frames.t[-1])]
     between = {name: np.interp(rows, frames.t, series) for name, series in frames.columns.items()}
@@ -55,7 +53,7 @@ def test_frames_that_were_interpolated_to_the_units_rate_are_not_taken_for_quiet
     assert rms((motion.translation - true.translation)[inner]) < 0.15
 
 
-def test_frames_that_a_host_stamped_in_batches_tell_the_same_motion() -> None:
+def test_frames_that_a_host_stamped_in_batches_tell_the_same_motion():
     frames, true = poses(), by_hand(T)
     place = np.arange(len(frames.t)) % 6
     batched = frames.t + 0.9 * (2.5 - place) / 120.0  # stamps close up to the middle of six
@@ -63,7 +61,7 @@ def test_frames_that_a_host_stamped_in_batches_tell_the_same_motion() -> None:
     assert rms((motion.rate - true.rate)[INNER]) < 0.02
 
 
-def test_a_few_lost_frames_are_bridged_and_more_are_not() -> None:
+def test_a_few_lost_frames_are_bridged_and_more_are_not():
     frames = poses()
     kept = np.ones(len(frames.t), bool)
     kept[2400:2402] = False  # at 20 s
@@ -76,13 +74,13 @@ def test_a_few_lost_frames_are_bridged_and_more_are_not() -> None:
     assert np.isnan(motion.up[np.searchsorted(T, 40.15)]).all()
 
 
-def test_without_positions_the_force_of_a_body_that_moves_is_not_known() -> None:
+def test_without_positions_the_force_of_a_body_that_moves_is_not_known():
     motion = whole_motion(recording(reference=poses(places=False)))
     assert motion.felt[INNER, 0].all()
     assert not motion.felt[:, 3].any()
 
 
-def test_without_positions_the_force_is_known_where_the_body_rests() -> None:
+def test_without_positions_the_force_is_known_where_the_body_rests():
     held = poses(places=False)
     still = held.t > 30.0
     columns = {
@@ -101,7 +99,7 @@ def test_without_positions_the_force_is_known_where_the_body_rests() -> None:
     assert not motion.felt[T < 29.0, 3].any()
 
 
-def test_a_body_on_a_table_keeps_its_place() -> None:
+def test_a_body_on_a_table_keeps_its_place():
     station = {"id": "s", "table_axes": [{"name": "a", "direction": [0, 0, 1]}]}
     motion = whole_motion(recording(reference=poses(places=False), station=station))
     assert motion.felt[INNER].all()
@@ -109,7 +107,7 @@ def test_a_body_on_a_table_keeps_its_place() -> None:
     assert not motion.translation[INNER].any()
 
 
-def test_a_stretch_whose_even_grid_ends_a_hair_late_is_read_to_its_end() -> None:
+def test_a_stretch_whose_even_grid_ends_a_hair_late_is_read_to_its_end():
     """The usual interval is 0.01 s but for its last digits, which add up over 33 s."""
     stamps = np.round(0.01 * np.arange(10265), 2)
     stamps = stamps[(stamps <= 54.37) | (stamps >= 69.67)]
@@ -140,19 +138,19 @@ def turns() -> tuple[np.ndarray, np.ndarray]:
     return np.asarray(angle + noise), np.asarray(rate)
 
 
-def test_gyros_show_that_poses_tell_a_motion_that_their_own_spectrum_hides() -> None:
+def test_gyros_show_that_poses_tell_a_motion_that_their_own_spectrum_hides():
     angle, rate = turns()
     assert band_edge([angle], INTERVAL) < 2.0
     assert 5.0 < seen_by_gyros([angle], [rate], INTERVAL) < 8.0
 
 
-def test_neither_axes_nor_scale_factors_nor_a_delay_of_the_gyros_matter() -> None:
+def test_neither_axes_nor_scale_factors_nor_a_delay_of_the_gyros_matter():
     angle, rate = turns()
     late = np.roll(1.2 * rate @ TURN, 7, axis=0)
     assert seen_by_gyros([angle], [late], INTERVAL) == seen_by_gyros([angle], [rate], INTERVAL)
 
 
-def test_gyros_of_another_body_see_nothing() -> None:
+def test_gyros_of_another_body_see_nothing():
     angle, rate = turns()
     other = np.random.default_rng(5).normal(0.0, 1.0, rate.shape)
     assert seen_by_gyros([angle], [other], INTERVAL) == 0.0
@@ -161,7 +159,7 @@ def test_gyros_of_another_body_see_nothing() -> None:
 # What smoothing takes off a tracked motion shows when it is smoothed again.
 
 
-def test_smoothing_again_takes_about_what_smoothing_took() -> None:
+def test_smoothing_again_takes_about_what_smoothing_took():
     reference = poses(turn_noise=0.05, place_noise=0.05)
     of = recording(reference=reference)
     once = tracked_motion(of, reference, of.imu.t)

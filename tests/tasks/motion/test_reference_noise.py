@@ -31,7 +31,7 @@ def deviation(run: Recording) -> np.ndarray:
     return np.sqrt(reference_noise(run, motion).variance(motion, WIDTH))
 
 
-def test_the_noise_of_an_encoder_becomes_that_of_mean_rates() -> None:
+def test_the_noise_of_an_encoder_becomes_that_of_mean_rates():
     noise = 1e-4 * np.random.default_rng(5).standard_normal(len(T))
     turning = swing() + 0.3 * T  # a rest has one error
     run, exact = shaft(turning + noise), whole_motion(shaft(turning))
@@ -52,7 +52,7 @@ def carried(inner_angle: np.ndarray) -> Recording:
     return Recording(manifest, Stream(T, {}), table=table)
 
 
-def test_the_noise_of_an_inner_axis_turns_the_rate_of_the_outer_one() -> None:
+def test_the_noise_of_an_inner_axis_turns_the_rate_of_the_outer_one():
     run = carried(2e-3 * np.random.default_rng(8).standard_normal(len(T)))
     motion = whole_motion(run)
     expected = np.sqrt(reference_noise(run, motion).variance(motion, T[1]))
@@ -63,9 +63,7 @@ def test_the_noise_of_an_inner_axis_turns_the_rate_of_the_outer_one() -> None:
 
 
 @pytest.mark.parametrize(("noise", "share"), [(0.02, 1.0), (0.5, 0.0)])
-def test_a_rest_of_an_inner_axis_has_one_rounding_unless_noise_moves_its_code(
-    noise: float, share: float
-) -> None:
+def test_a_rest_of_an_inner_axis_has_one_rounding_unless_noise_moves_its_code(noise, share):
     step, width = 4e-3, 10.0
     errors = noise * np.random.default_rng(9).standard_normal(len(T))
     moved = 0.2 + 0.2 * np.clip(T - 30.0, 0.0, 2.0)
@@ -75,14 +73,14 @@ def test_a_rest_of_an_inner_axis_has_one_rounding_unless_noise_moves_its_code(
     assert np.median(expected[:, 1]) == pytest.approx(share * 2.0 * step / np.sqrt(12.0), abs=4e-4)
 
 
-def test_a_coarse_encoder_is_exact_at_rest_and_uncertain_while_it_turns() -> None:
+def test_a_coarse_encoder_is_exact_at_rest_and_uncertain_while_it_turns():
     step = np.radians(0.2)
     coarse = deviation(shaft(np.round(swing() / step) * step))[:, 0]
     assert coarse[T < 18.0].max() == 0.0
     assert np.median(coarse[TURNING]) > 0.3 * step / np.sqrt(12.0) / WIDTH
 
 
-def test_the_noise_of_frames_becomes_that_of_rates_and_accelerations() -> None:
+def test_the_noise_of_frames_becomes_that_of_rates_and_accelerations():
     interval, edge = 1.0 / 120.0, 6.0
     noise = np.random.default_rng(5).standard_normal((20_000, 3))
     for order, found in enumerate(derivatives(noise, interval, edge)):
@@ -90,7 +88,7 @@ def test_the_noise_of_frames_becomes_that_of_rates_and_accelerations() -> None:
         assert found[100:-100].var() == pytest.approx(variance, rel=0.1)
 
 
-def test_the_noise_of_poses_is_read_off_what_their_smoothing_takes_away() -> None:
+def test_the_noise_of_poses_is_read_off_what_their_smoothing_takes_away():
     motion = whole_motion(recording(reference=poses(4, 2e-4, 1e-4)))
     tracking = motion.tracking
     assert np.sqrt(tracking.attitude_variance) == pytest.approx(2e-4, rel=0.2)
@@ -100,7 +98,7 @@ def test_the_noise_of_poses_is_read_off_what_their_smoothing_takes_away() -> Non
     assert variance[0, 3] == pytest.approx(tracking.force_variance(WIDTH, motion.gravity))
 
 
-def test_a_single_step_of_a_coarse_encoder_is_no_turn_of_a_rest() -> None:
+def test_a_single_step_of_a_coarse_encoder_is_no_turn_of_a_rest():
     step = 1e-3
     single = step * ((T > 9.0) & (T < 9.5))
     run = shaft(np.round(swing() / step) * step + single)
@@ -109,7 +107,7 @@ def test_a_single_step_of_a_coarse_encoder_is_no_turn_of_a_rest() -> None:
     assert (wrong > 8.0 * deviation(run)[:, 0] + 1e-9).mean() < 0.01
 
 
-def test_stamps_that_scatter_make_noise_of_the_turn() -> None:
+def test_stamps_that_scatter_make_noise_of_the_turn():
     """The encoder is read at even times."""
     jitter = 1e-3
     run = shaft(swing())

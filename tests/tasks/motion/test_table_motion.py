@@ -24,7 +24,7 @@ STILL = Segment(name="s", kind="static", t_start=0.0, t_end=10.0)
 
 @settings(deadline=None)
 @given(st.tuples(component, component, component), angle)
-def test_rotation_is_that_of_scipy(direction: tuple[float, float, float], turn: float) -> None:
+def test_rotation_is_that_of_scipy(direction, turn):
     size = np.linalg.norm(direction)
     if size < 1e-3:
         return
@@ -35,7 +35,7 @@ def test_rotation_is_that_of_scipy(direction: tuple[float, float, float], turn: 
 
 @settings(deadline=None)
 @given(st.tuples(angle, angle, angle), st.integers(0, 2), angle)
-def test_an_axis_in_the_body_follows_what_lies_inside_it(angles, axis: int, turned: float) -> None:
+def test_an_axis_in_the_body_follows_what_lies_inside_it(angles, axis, turned):
     mount = Rotation.from_rotvec([0.3 * turned, 0.1, -0.2])
     described = manifest(mount.as_quat(scalar_first=True).tolist())
     assert np.allclose(mount_of(described, STILL), mount.as_matrix(), atol=1e-12)
@@ -51,7 +51,7 @@ def test_an_axis_in_the_body_follows_what_lies_inside_it(angles, axis: int, turn
     assert np.allclose(axis_in_body(described, STILL, np.array(angles), axis), expected, atol=1e-10)
 
 
-def test_mean_rate_is_the_angle_turned_over_the_time() -> None:
+def test_mean_rate_is_the_angle_turned_over_the_time():
     t = np.round(np.arange(0, 10, 0.01), 9)
     columns = {
         "outer_angle": 0.5 * t + 0.001 * np.sin(40 * t),
@@ -63,6 +63,6 @@ def test_mean_rate_is_the_angle_turned_over_the_time() -> None:
     assert mean_rate(recording, STILL) == pytest.approx([0.5, 0, 0], abs=3e-4)
 
 
-def test_without_encoders_nothing_is_assumed() -> None:
+def test_without_encoders_nothing_is_assumed():
     recording = Recording(manifest([1, 0, 0, 0]), Stream(np.arange(10.0), {}))
     assert mean_rate(recording, STILL) is None

@@ -50,7 +50,7 @@ def attitude(angles: np.ndarray, heading: float, mount: Rotation) -> Rotation:
 
 @settings(deadline=None, max_examples=30)
 @given(st.tuples(angle, angle, angle), st.floats(-180.0, 180.0), st.tuples(angle, angle, angle))
-def test_the_vertical_and_north_are_those_of_the_attitude(angles, heading, turned) -> None:
+def test_the_vertical_and_north_are_those_of_the_attitude(angles, heading, turned):
     mount = Rotation.from_rotvec(turned)
     held = np.tile(angles, (len(T), 1))
     motion = whole_motion(recording(held, heading, mount))
@@ -63,7 +63,7 @@ def test_the_vertical_and_north_are_those_of_the_attitude(angles, heading, turne
     assert motion.force[5] == pytest.approx(9.8 * motion.up[5])
 
 
-def test_rate_and_acceleration_follow_from_the_attitude_with_every_axis_moving() -> None:
+def test_rate_and_acceleration_follow_from_the_attitude_with_every_axis_moving():
     angles = np.column_stack([np.sin(T), 0.5 * T + 0.2 * np.cos(T), 0.3 * np.sin(2 * T)])
     mount = Rotation.from_rotvec([0.2, -0.4, 0.9])
     motion = whole_motion(recording(angles, 20.0, mount))
@@ -82,13 +82,13 @@ def test_rate_and_acceleration_follow_from_the_attitude_with_every_axis_moving()
     assert motion.acceleration[inner] == pytest.approx(change[inner], abs=2e-2)
 
 
-def test_a_heading_that_is_not_told_leaves_north_unknown() -> None:
+def test_a_heading_that_is_not_told_leaves_north_unknown():
     motion = whole_motion(recording(np.zeros((len(T), 3)), None))
     assert np.isnan(motion.north).all()
     assert motion.known.all()
 
 
-def test_between_mountings_nothing_is_known() -> None:
+def test_between_mountings_nothing_is_known():
     turned = Rotation.from_euler("x", 90, degrees=True).as_quat(scalar_first=True).tolist()
     segments = [
         {"name": "a", "kind": "static", "t_start": 1.0, "t_end": 2.0,
@@ -102,7 +102,7 @@ def test_between_mountings_nothing_is_known() -> None:
     assert motion.up[450] == pytest.approx([0, 1, 0], abs=1e-9)
 
 
-def test_labels_tell_rests_rates_and_turns_and_nothing_beside_them() -> None:
+def test_labels_tell_rests_rates_and_turns_and_nothing_beside_them():
     segments = [
         {"name": "r", "kind": "static", "up": "-y", "t_start": 0.0, "t_end": 1.0},
         {"name": "w", "kind": "rate", "axis": "z", "up": "+z", "rate_deg_s": -90.0,
@@ -119,7 +119,7 @@ def test_labels_tell_rests_rates_and_turns_and_nothing_beside_them() -> None:
     assert motion.known.sum() == 200
 
 
-def test_a_reference_pose_gives_attitude_and_rate() -> None:
+def test_a_reference_pose_gives_attitude_and_rate():
     times = np.arange(1.0, 7.0, 0.02)
     spin = np.array([0.1, -0.4, 0.7])
     turned = Rotation.from_rotvec(times[:, None] * spin)
@@ -232,42 +232,38 @@ def turning() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     return t, angle + NOISE * rng.standard_normal(len(t)), rate + 1e-7 * rng.standard_normal(len(t))
 
 
-def test_the_measured_rate_is_taken(turning: tuple[np.ndarray, ...]) -> None:
+def test_the_measured_rate_is_taken(turning):
     assert is_rate_of(*turning)
 
 
 @pytest.mark.parametrize("off", [1.0001, 0.999])
-def test_a_rate_of_another_scale_is_not_taken(turning: tuple[np.ndarray, ...], off: float) -> None:
+def test_a_rate_of_another_scale_is_not_taken(turning, off):
     t, angle, rate = turning
     assert not is_rate_of(t, angle, rate * off)
 
 
-def test_a_late_rate_is_not_taken(turning: tuple[np.ndarray, ...]) -> None:
+def test_a_late_rate_is_not_taken(turning):
     t, angle, rate = turning
     assert not is_rate_of(t, angle, np.interp(t - 0.05 * INTERVAL, t, rate))
 
 
-def test_differences_of_the_angle_are_not_taken_for_a_measured_rate(
-    turning: tuple[np.ndarray, ...],
-) -> None:
+def test_differences_of_the_angle_are_not_taken_for_a_measured_rate(turning):
     t, angle, _ = turning
     assert not is_rate_of(t, angle, np.gradient(angle, t))
     assert not is_rate_of(t, angle, np.concatenate([[0.0], np.diff(angle) / INTERVAL]))
 
 
-def test_a_filtered_rate_is_not_taken(turning: tuple[np.ndarray, ...]) -> None:
+def test_a_filtered_rate_is_not_taken(turning):
     t, angle, rate = turning
     assert not is_rate_of(t, angle, np.convolve(rate, [0.25, 0.5, 0.25], "same"))
 
 
-def test_a_rate_that_lacks_what_the_encoder_reads_once_a_turn_is_not_taken(
-    turning: tuple[np.ndarray, ...],
-) -> None:
+def test_a_rate_that_lacks_what_the_encoder_reads_once_a_turn_is_not_taken(turning):
     t, angle, rate = turning
     assert not is_rate_of(t, angle, rate * (1.0 + 2e-5 * np.cos(angle)))
 
 
-def test_gaps_and_few_samples_are_left_to_the_angle(turning: tuple[np.ndarray, ...]) -> None:
+def test_gaps_and_few_samples_are_left_to_the_angle(turning):
     t, angle, rate = turning
     assert not is_rate_of(t[:40], angle[:40], rate[:40])
     with_gap = np.where(np.arange(len(t)) == 500, np.nan, rate)
@@ -299,14 +295,14 @@ def angle_whole_intervals(t: np.ndarray) -> np.ndarray:
     return np.asarray(0.3 * np.sin(FAST * t))
 
 
-def test_a_rate_is_what_the_encoder_gained_between_the_readings() -> None:
+def test_a_rate_is_what_the_encoder_gained_between_the_readings():
     gained = (angle_whole_intervals(AT + SPAN / 2) - angle_whole_intervals(AT - SPAN / 2)) / SPAN
     motion = whole_motion(swinging())
     assert motion.rate[:, 0] == pytest.approx(gained, abs=1e-4)
     assert np.abs(0.3 * FAST * np.cos(FAST * AT) - gained).max() > 0.1
 
 
-def test_the_vertical_is_the_mean_of_both_ends() -> None:
+def test_the_vertical_is_the_mean_of_both_ends():
     ends = (
         np.cos(angle_whole_intervals(AT - SPAN / 2)),
         np.cos(angle_whole_intervals(AT + SPAN / 2)),
@@ -314,7 +310,7 @@ def test_the_vertical_is_the_mean_of_both_ends() -> None:
     assert whole_motion(swinging()).up[:, 2] == pytest.approx(sum(ends) / 2.0, abs=1e-4)
 
 
-def test_the_noise_of_two_angles_is_that_of_the_rate_between_them() -> None:
+def test_the_noise_of_two_angles_is_that_of_the_rate_between_them():
     noisy, exact = swinging(1e-4), whole_motion(swinging())
     motion = whole_motion(noisy)
     error = (motion.rate - exact.rate)[:, 0]

@@ -17,7 +17,7 @@ def stretched(values: np.ndarray, mean: float, sd: float) -> np.ndarray:
     return np.asarray(mean + sd * (values - values.mean()) / values.std(ddof=1))
 
 
-def test_performance_is_that_of_the_handbooks_example(rng: np.random.Generator) -> None:
+def test_performance_is_that_of_the_handbooks_example(rng):
     # NIST/SEMATECH e-Handbook, 6.1.6: limits 8 and 20, mean 16, sigma 2: Cp 1.0, Cpk 0.6667
     found = capability(stretched(rng.standard_normal(50), 16.0, 2.0), 8.0, 20.0)
     assert found.pp.value == pytest.approx(1.0)
@@ -29,7 +29,7 @@ def test_performance_is_that_of_the_handbooks_example(rng: np.random.Generator) 
     )
 
 
-def test_one_sided_limits_have_no_two_sided_index(rng: np.random.Generator) -> None:
+def test_one_sided_limits_have_no_two_sided_index(rng):
     found = capability(rng.standard_normal(30), None, 3.0)
     assert found.cp.value is None
     assert found.pp.value is None
@@ -37,9 +37,7 @@ def test_one_sided_limits_have_no_two_sided_index(rng: np.random.Generator) -> N
     assert capability(rng.standard_normal(30), None, None).cpk.value is None
 
 
-def test_a_shift_between_neighbours_is_in_performance_and_not_in_capability(
-    rng: np.random.Generator,
-) -> None:
+def test_a_shift_between_neighbours_is_in_performance_and_not_in_capability(rng):
     values = np.concatenate([rng.standard_normal(200), 6.0 + rng.standard_normal(200)])
     found = capability(values, -10.0, 16.0)
     assert found.cp.value == pytest.approx(26.0 / 6.0, rel=0.1)
@@ -47,16 +45,14 @@ def test_a_shift_between_neighbours_is_in_performance_and_not_in_capability(
 
 
 @pytest.mark.parametrize("n", [10, 60])
-def test_moving_ranges_have_the_degrees_of_freedom_that_are_counted(
-    n: int, rng: np.random.Generator
-) -> None:
+def test_moving_ranges_have_the_degrees_of_freedom_that_are_counted(n, rng):
     draws = np.array([sigma_within(row) for row in rng.standard_normal((4000, n))])
     assert draws.mean() == pytest.approx(1.0, abs=0.01)
     assert 1.0 / (2.0 * draws.var()) == pytest.approx(dof_within(n), rel=0.1)
 
 
 @pytest.mark.parametrize("n", [25, 100])
-def test_intervals_hold_the_index_as_often_as_stated(n: int) -> None:
+def test_intervals_hold_the_index_as_often_as_stated(n):
     held = {"cp": 0, "cpk": 0, "pp": 0, "ppk": 0}
     truth = {"cp": 4.0 / 3.0, "cpk": 1.0, "pp": 4.0 / 3.0, "ppk": 1.0}
     for row in np.random.default_rng(n).standard_normal((600, n)):
@@ -68,7 +64,7 @@ def test_intervals_hold_the_index_as_often_as_stated(n: int) -> None:
         assert 0.92 <= count / 600 <= 0.98, name
 
 
-def test_one_value_or_none_has_no_index() -> None:
+def test_one_value_or_none_has_no_index():
     assert capability(np.array([]), -1.0, 1.0).mean is None
     assert capability(np.array([0.5]), -1.0, 1.0).ppk.value is None
     assert capability(np.zeros(5), -1.0, 1.0).cp.value is None

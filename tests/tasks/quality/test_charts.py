@@ -19,7 +19,7 @@ BROKEN = {  # each rule by itself, in sigma: the last value is the one that brea
 }
 
 
-def test_limits_are_those_of_the_handbook() -> None:
+def test_limits_are_those_of_the_handbook():
     chart = individuals(FLOW)
     assert chart is not None
     assert chart.centre == pytest.approx(50.81)
@@ -29,7 +29,7 @@ def test_limits_are_those_of_the_handbook() -> None:
 
 
 @pytest.mark.parametrize("rule", range(1, RULES + 1))
-def test_each_rule_is_broken_by_its_own_pattern_at_the_last_value(rule: int) -> None:
+def test_each_rule_is_broken_by_its_own_pattern_at_the_last_value(rule):
     pattern = np.array(BROKEN[rule])
     broken = nelson(pattern)[rule - 1]
     assert broken[-1]
@@ -38,12 +38,12 @@ def test_each_rule_is_broken_by_its_own_pattern_at_the_last_value(rule: int) -> 
 
 
 @pytest.mark.parametrize("rule", [2, 3, 4, 7, 8])
-def test_one_value_less_in_the_row_breaks_nothing(rule: int) -> None:
+def test_one_value_less_in_the_row_breaks_nothing(rule):
     first = {2: 1, 3: 1, 4: 0, 7: 1, 8: 1}[rule]  # where the row begins
     assert not nelson(np.array(BROKEN[rule])[first + 1 :])[rule - 1].any()
 
 
-def test_noise_breaks_the_first_rule_as_often_as_nelson_says() -> None:
+def test_noise_breaks_the_first_rule_as_often_as_nelson_says():
     z = np.random.default_rng(2).standard_normal(400_000)
     rates = nelson(z).mean(axis=1)
     assert rates[0] == pytest.approx(0.0027, rel=0.1)
@@ -51,7 +51,7 @@ def test_noise_breaks_the_first_rule_as_often_as_nelson_says() -> None:
     assert (rates < 0.008).all()
 
 
-def test_a_single_value_and_equal_values_have_no_violations() -> None:
+def test_a_single_value_and_equal_values_have_no_violations():
     assert individuals(np.array([1.0])) is None
     chart = individuals(np.ones(20))
     assert chart is not None
@@ -65,7 +65,7 @@ ONES = np.ones(6)
 NEVER = np.zeros(6, int)
 
 
-def test_a_line_is_its_slope_and_an_adjustment_moves_the_level_alone() -> None:
+def test_a_line_is_its_slope_and_an_adjustment_moves_the_level_alone():
     adjusted = np.array([0, 0, 0, 1, 1, 1])
     found = drift(YEARS, 5.0 + 0.2 * YEARS - 4.0 * adjusted, 0.1 * ONES, adjusted)
     assert found is not None
@@ -73,14 +73,14 @@ def test_a_line_is_its_slope_and_an_adjustment_moves_the_level_alone() -> None:
     assert found.readings == 6
 
 
-def test_a_steady_unit_has_the_u_of_its_readings() -> None:
+def test_a_steady_unit_has_the_u_of_its_readings():
     found = drift(YEARS, ONES, 0.1 * ONES, NEVER)
     assert found is not None
     assert found.per_year == pytest.approx(0.0, abs=1e-12)
     assert pytest.approx(2 * 0.1 / np.sqrt(np.sum((YEARS - YEARS.mean()) ** 2))) == found.U
 
 
-def test_scatter_beyond_the_stated_u_is_in_U() -> None:
+def test_scatter_beyond_the_stated_u_is_in_U():
     scattered = np.array([0.0, 1.0, -1.0, 1.0, -1.0, 0.0])
     small, large = (drift(YEARS, scattered, u * ONES, NEVER) for u in (0.01, 1.0))
     assert small is not None
@@ -89,7 +89,7 @@ def test_scatter_beyond_the_stated_u_is_in_U() -> None:
     assert small.per_year == pytest.approx(large.per_year)
 
 
-def test_it_covers_the_slope_as_often_as_it_says() -> None:
+def test_it_covers_the_slope_as_often_as_it_says():
     rng = np.random.default_rng(1)
     inside = 0
     for _ in range(1000):
@@ -100,14 +100,14 @@ def test_it_covers_the_slope_as_often_as_it_says() -> None:
 
 
 @pytest.mark.parametrize(("count", "adjusted"), [(0, []), (1, [0]), (2, [0, 1])])
-def test_what_leaves_nothing_to_compare_has_no_drift(count: int, adjusted: list[int]) -> None:
+def test_what_leaves_nothing_to_compare_has_no_drift(count, adjusted):
     numbers = np.array(adjusted, int)
     assert drift(YEARS[:count], ONES[:count], ONES[:count], numbers) is None
     days = np.zeros(count)
     assert drift(days, ONES[:count], ONES[:count], 0 * numbers) is None
 
 
-def test_a_reading_without_u_is_left_out() -> None:
+def test_a_reading_without_u_is_left_out():
     u = np.array([0.1, 0.1, np.nan, 0.1, 0.0, 0.1])
     found = drift(YEARS, YEARS, u, NEVER)
     assert found is not None
@@ -119,7 +119,7 @@ def test_a_reading_without_u_is_left_out() -> None:
 NOISE = np.random.default_rng(7).standard_normal(200)
 
 
-def test_a_station_that_shifts_after_its_history_is_out_of_control() -> None:
+def test_a_station_that_shifts_after_its_history_is_out_of_control():
     values = NOISE[: HISTORY + 10].copy()
     values[HISTORY:] += 4.0
     chart = station_check(values)
@@ -130,6 +130,6 @@ def test_a_station_that_shifts_after_its_history_is_out_of_control() -> None:
     assert chart.limits == before.limits  # later values move no limit
 
 
-def test_a_short_history_has_no_limits() -> None:
+def test_a_short_history_has_no_limits():
     assert station_check(NOISE[: FEWEST - 1]) is None
     assert station_check(NOISE[:FEWEST]) is not None

@@ -24,7 +24,7 @@ NEWCOMBE = {
 }  # fmt: skip
 
 
-def test_intervals_are_those_that_newcombe_prints() -> None:
+def test_intervals_are_those_that_newcombe_prints():
     passed, of = np.array(list(NEWCOMBE)).T
     low, high = wilson(passed, of)
     printed = np.array(list(NEWCOMBE.values()))
@@ -32,12 +32,12 @@ def test_intervals_are_those_that_newcombe_prints() -> None:
     assert high == pytest.approx(printed[:, 1], abs=5e-5)
 
 
-def test_nothing_has_no_interval() -> None:
+def test_nothing_has_no_interval():
     low, high = wilson(np.array([0]), np.array([0]))
     assert np.isnan([low[0], high[0]]).all()
 
 
-def test_yield_of_each_group() -> None:
+def test_yield_of_each_group():
     runs = pd.DataFrame({"station": ["b", "a", "b", "b"], "passed": [True, False, False, True]})
     table = yields(runs, "station")
     assert table.index.tolist() == ["a", "b"]
@@ -48,7 +48,7 @@ def test_yield_of_each_group() -> None:
     assert (table["share"] <= table["high"]).all()
 
 
-def test_a_run_soon_after_one_of_the_same_unit_is_a_retest() -> None:
+def test_a_run_soon_after_one_of_the_same_unit_is_a_retest():
     days = [0, 1, 1 + RETEST_DAYS, 30, 30, 0]
     runs = pd.DataFrame({
         "unit": [1, 1, 1, 1, 1, 2],
@@ -60,7 +60,7 @@ def test_a_run_soon_after_one_of_the_same_unit_is_a_retest() -> None:
     assert first_runs(shuffled).sort_index().tolist() == first_runs(runs).tolist()
 
 
-def test_weeks_of_few_units_are_pooled_until_a_point_says_something() -> None:
+def test_weeks_of_few_units_are_pooled_until_a_point_says_something():
     weeks = [3] * 10  # 30 first runs: 21 make a point, and 9 are left
     assert pooled(weeks) == [slice(0, 10)]
     assert pooled([1] * 65) == [slice(0, 20), slice(20, 40), slice(40, 65)]
@@ -70,7 +70,7 @@ def test_weeks_of_few_units_are_pooled_until_a_point_says_something() -> None:
 
 
 @given(st.lists(st.integers(1, 60), max_size=80))
-def test_pooling_loses_no_week_and_leaves_no_small_point(of: list[int]) -> None:
+def test_pooling_loses_no_week_and_leaves_no_small_point(of):
     parts = pooled(of)
     assert [week for part in parts for week in range(len(of))[part]] == list(range(len(of)))
     assert len(parts) < 2 or all(sum(of[part]) >= FEWEST_IN_POINT for part in parts)
@@ -89,7 +89,7 @@ def line(rng: np.random.Generator, runs: int = 400, units: int = 25) -> tuple[np
     return unit, station, values + drift + rng.standard_normal(runs)
 
 
-def test_a_station_that_is_off_is_found_though_units_differ_and_drift() -> None:
+def test_a_station_that_is_off_is_found_though_units_differ_and_drift():
     rng = np.random.default_rng(7)
     found = against_each_other(*line(rng), np.zeros(400, bool), STATIONS)
     assert np.abs(found.difference - [0.0, 0.0, 3.0, 0.0]).max() < 0.4
@@ -97,7 +97,7 @@ def test_a_station_that_is_off_is_found_though_units_differ_and_drift() -> None:
     assert found.U.max() < 0.5
 
 
-def test_u_holds_the_true_difference() -> None:
+def test_u_holds_the_true_difference():
     held = []
     for seed in range(150):
         found = against_each_other(
@@ -107,7 +107,7 @@ def test_u_holds_the_true_difference() -> None:
     assert 0.91 < np.mean(held) < 0.98
 
 
-def test_the_step_over_an_adjustment_says_nothing() -> None:
+def test_the_step_over_an_adjustment_says_nothing():
     unit, station = np.zeros(4, int), np.array([0, 1, 0, 1])
     values, adjusted = np.array([0.0, 1.0, 50.0, 51.0]), np.array([False, False, True, False])
     found = against_each_other(unit, station, values, adjusted, 2)
@@ -115,7 +115,7 @@ def test_the_step_over_an_adjustment_says_nothing() -> None:
     assert np.isnan(found.U).all()  # one unit has no scatter between units
 
 
-def test_a_station_that_nothing_ties_to_the_others_has_no_difference() -> None:
+def test_a_station_that_nothing_ties_to_the_others_has_no_difference():
     found = against_each_other(
         np.array([0, 0, 1]), np.array([0, 1, 2]), np.zeros(3), np.zeros(3, bool), 3
     )
@@ -123,7 +123,7 @@ def test_a_station_that_nothing_ties_to_the_others_has_no_difference() -> None:
     assert found.pairs.tolist() == [1, 1, 0]
 
 
-def test_u_takes_of_the_margin_what_it_is_of_the_distance_to_the_nearer_limit() -> None:
+def test_u_takes_of_the_margin_what_it_is_of_the_distance_to_the_nearer_limit():
     nan = np.nan
     share = consumed(
         np.array([0.0, 0.75, 1.0, 2.0, 0.5, nan, 0.5]),

@@ -6,6 +6,7 @@ would, with the standard library's integers.
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cache
 
 import numpy as np
 
@@ -158,6 +159,7 @@ def felt(angles: np.ndarray, rate: float) -> tuple[np.ndarray, np.ndarray]:
     return turning, up
 
 
+@cache
 def words(unit: Unit, seed: int) -> tuple[np.ndarray, np.ndarray, Table]:
     """Right whole numbers (n, 6), the step (6,), and what the table did."""
     rng = np.random.default_rng(seed)

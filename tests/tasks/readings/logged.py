@@ -142,8 +142,8 @@ class Unit:
     turns_with_earth: bool = True
 
 
-def read(course: Course, at: np.ndarray, unit: Unit, rng: np.random.Generator) -> np.ndarray:
-    """(n, 6) what the unit reads at the instants (n,) s."""
+def moved(course: Course, at: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """In the body at the instants (n,) s: its rate on the ground, up, and Earth's rate (n, 3)."""
     angles, rates = course.at(at)
     a, b, c = angles.T
     zero, one = np.zeros(len(at)), np.ones(len(at))
@@ -164,13 +164,19 @@ def read(course: Course, at: np.ndarray, unit: Unit, rng: np.random.Generator) -
     up = inwards(np.column_stack([zero, zero, one]))
     rate = rates[:, :1] * up + rates[:, 1:2] * about_inner(np.column_stack([one, zero, zero]))
     rate[:, 2] += rates[:, 2]
+    north = EARTH * np.cos(LATITUDE)
+    level = np.column_stack([north * np.sin(a), north * np.cos(a), zero])
+    return rate, up, inwards(level) + EARTH * np.sin(LATITUDE) * up
+
+
+def read(course: Course, at: np.ndarray, unit: Unit, rng: np.random.Generator) -> np.ndarray:
+    """(n, 6) what the unit reads at the instants (n,) s."""
+    rate, up, earth = moved(course, at)
     change = np.gradient(rate, at, axis=0)
     force = GRAVITY * up + np.cross(change, unit.arm)
     force += np.cross(rate, np.cross(rate, unit.arm))
     if unit.turns_with_earth:
-        north = EARTH * np.cos(LATITUDE)
-        level = np.column_stack([north * np.sin(a), north * np.cos(a), zero])
-        rate = rate + inwards(level) + EARTH * np.sin(LATITUDE) * up
+        rate = rate + earth
     gains = np.eye(3) + 1e-3 * rng.uniform(-3, 3, (3, 3))
     gyro = rate @ gains.T + np.radians(rng.uniform(-0.2, 0.2, 3))
     gains = np.eye(3) + 1e-3 * rng.uniform(-3, 3, (3, 3))

@@ -23,9 +23,16 @@ CASES = [
 ]
 
 
-@pytest.mark.parametrize("case", range(len(CASES)))
+# Each is a whole search; the others stand in a rehearsal.
+@pytest.mark.parametrize(
+    "case",
+    [
+        pytest.param(case, marks=[] if case in (1, 8, 9) else pytest.mark.rehearsal)
+        for case in range(len(CASES))
+    ],
+)
 @pytest.mark.filterwarnings("default::RuntimeWarning")
-def test_a_clean_unit_that_is_read_slowly_has_no_mismatch(case: int) -> None:
+def test_a_clean_unit_that_is_read_slowly_has_no_mismatch(case):
     rate, of_table, how, has_table = CASES[case]
     course, rng = procedure(**how), np.random.default_rng(100 + case)
     at = np.arange(0.0, course.until, 1.0 / rate)

@@ -19,9 +19,7 @@ PACKETS = [
 
 @pytest.mark.parametrize(("rate", "period", "size"), PACKETS)
 @pytest.mark.parametrize("lost", [0, 1, 4])
-def test_instants_of_packets_are_even_and_losses_counted(
-    rate: float, period: float | None, size: int | tuple[int, int] | None, lost: int
-) -> None:
+def test_instants_of_packets_are_even_and_losses_counted(rate, period, size, lost):
     rng = np.random.default_rng(round(rate) + lost)
     at = 0.1 + np.arange(0.0, 400.0, 1.0 / rate)
     kept = np.ones(len(at), bool)
@@ -62,7 +60,7 @@ def _drifting(rng: np.random.Generator, rate: float) -> np.ndarray:
 
 @pytest.mark.parametrize("stamped", [_even, _jittered, _rounded, _with_gaps, _drifting])
 @pytest.mark.parametrize("rate", [5.0, 50.0, 200.0])
-def test_other_stamps_are_left_alone(stamped, rate: float) -> None:
+def test_other_stamps_are_left_alone(stamped, rate):
     assert in_packets(stamped(np.random.default_rng(7), rate)) is None
 
 
@@ -77,14 +75,14 @@ def test_other_stamps_are_left_alone(stamped, rate: float) -> None:
     ],
 )
 @pytest.mark.parametrize("loose", [0.0, 0.1])
-def test_pauses_are_no_packets(rate: float, run: float, pause: float, loose: float) -> None:
+def test_pauses_are_no_packets(rate, run, pause, loose):
     rng = np.random.default_rng(round(run))
     starts = np.cumsum((run + pause) * (1.0 + loose * rng.uniform(-1.0, 1.0, 30)))
     stamps = (starts[:, None] + np.arange(0.0, run, 1.0 / rate)).ravel()
     assert in_packets(stamps) is None
 
 
-def test_what_was_put_right_is_said_and_done_once() -> None:
+def test_what_was_put_right_is_said_and_done_once():
     course, rng = procedure(rest=4.0, hold=4.0), np.random.default_rng(3)
     at = np.arange(0.0, course.until, 0.01)
     recording = recorded("sent", course, sent(at, 0.025, 1, rng), read(course, at, Unit(), rng))
@@ -96,7 +94,7 @@ def test_what_was_put_right_is_said_and_done_once() -> None:
     assert with_instants(right) is right
 
 
-def test_bursts_that_were_sampled_as_they_are_stamped_stay() -> None:
+def test_bursts_that_were_sampled_as_they_are_stamped_stay():
     course, rng = swinging(120.0), np.random.default_rng(4)
     at = (np.arange(0.0, course.until, 0.1)[:, None] + 0.002 * np.arange(4)).ravel()
     recording = recorded("bursts", course, at, read(course, at, Unit(), rng))
@@ -104,7 +102,7 @@ def test_bursts_that_were_sampled_as_they_are_stamped_stay() -> None:
     assert with_instants(recording) is recording
 
 
-def test_equal_stamps_of_a_packet_are_one_arrival() -> None:
+def test_equal_stamps_of_a_packet_are_one_arrival():
     at = np.arange(0.0, 100.0, 0.01)
     stamps = np.ceil(at / 0.04) * 0.04
     found = in_packets(stamps)

@@ -11,7 +11,7 @@ TITLE = Statement(en="a < b", zh="甲 < 乙")
 
 
 @pytest.fixture
-def template(tmp_path: Path) -> Path:
+def template(tmp_path) -> Path:
     path = tmp_path / "page.html"
     path.write_text(
         '{% extends "base.html" %}{% from "macros.html" import table %}'
@@ -22,7 +22,7 @@ def template(tmp_path: Path) -> Path:
     return path
 
 
-def test_a_text_stands_in_every_language_and_is_escaped(template: Path) -> None:
+def test_a_text_stands_in_every_language_and_is_escaped(template):
     html = page(template, title=TITLE, picture="<svg>")
     both = '<span lang="en">a &lt; b</span><span lang="zh">甲 &lt; 乙</span>'
     assert f"<h1>{both}</h1>&lt;svg&gt;" in html
@@ -30,12 +30,12 @@ def test_a_text_stands_in_every_language_and_is_escaped(template: Path) -> None:
     assert html.count('<input class="language"') == 2
 
 
-def test_what_a_template_needs_and_is_not_given_is_an_error(template: Path) -> None:
+def test_what_a_template_needs_and_is_not_given_is_an_error(template):
     with pytest.raises(Exception, match="picture"):
         page(template, title=TITLE)
 
 
-def test_a_chart_is_the_same_each_time_and_stands_in_a_page_as_it_is(template: Path) -> None:
+def test_a_chart_is_the_same_each_time_and_stands_in_a_page_as_it_is(template):
     def content(figure) -> None:
         figure.subplots().plot([1, 2, 3], label="x")
 

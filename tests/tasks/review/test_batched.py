@@ -12,7 +12,7 @@ def _matrices(size: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("size", [1, 3, 6])
-def test_inverses_and_determinants_are_those_of_lapack(size: int) -> None:
+def test_inverses_and_determinants_are_those_of_lapack(size):
     matrices = _matrices(size)
     found, logarithm = inverses(matrices)
     np.testing.assert_allclose(found, np.linalg.inv(matrices), rtol=1e-9, atol=1e-12)
@@ -20,7 +20,7 @@ def test_inverses_and_determinants_are_those_of_lapack(size: int) -> None:
 
 
 @pytest.mark.parametrize("size", [1, 3, 6])
-def test_quadratic_forms_are_those_of_the_solutions(size: int) -> None:
+def test_quadratic_forms_are_those_of_the_solutions(size):
     matrices, right = _matrices(size), np.random.default_rng(2).standard_normal((40, size))
     solved = np.linalg.solve(matrices, right[:, :, None])[:, :, 0]
     np.testing.assert_allclose(

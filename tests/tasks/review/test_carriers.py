@@ -86,7 +86,7 @@ def here(pool: Pool, name: str) -> Carried:
 EVERY, OTHERS = tuple(range(len(UNITS))), tuple(r for r in range(len(UNITS)) if STATIONS[r])
 
 
-def test_an_effect_explains_runs_by_their_likelihood_given_the_others() -> None:
+def test_an_effect_explains_runs_by_their_likelihood_given_the_others():
     runs = Runs(0.0)
     one = here(runs.pool, TILT)
     assert (one.spread.sigma, one.effect.name) == (0.0, TILT)
@@ -99,9 +99,7 @@ def test_an_effect_explains_runs_by_their_likelihood_given_the_others() -> None:
 
 
 @pytest.mark.parametrize("spread", [0.0, 3.0])
-def test_a_gain_beside_the_spread_of_another_effect_is_that_of_the_whole_covariance(
-    spread: float,
-) -> None:
+def test_a_gain_beside_the_spread_of_another_effect_is_that_of_the_whole_covariance(spread):
     runs, tau = Runs(spread), 2.0
     one, other = here(runs.pool, TILT), whole(runs.pool, ARM)
     covariance = runs.covariance(other.evidence, ARM, tau, EVERY)
@@ -111,7 +109,7 @@ def test_a_gain_beside_the_spread_of_another_effect_is_that_of_the_whole_covaria
     assert found == pytest.approx(2.0 * expected, rel=CLOSE)
 
 
-def test_the_usual_spread_is_that_of_the_other_runs() -> None:
+def test_the_usual_spread_is_that_of_the_other_runs():
     none, much = (Runs(spread).pool for spread in (0.0, 3.0))
     nothing = usual(whole(none, ARM).evidence, rows_of(none, HERE))
     spread = usual(whole(much, ARM).evidence, rows_of(much, HERE))
@@ -120,7 +118,7 @@ def test_the_usual_spread_is_that_of_the_other_runs() -> None:
     assert spread.tau in BETWEEN_UNITS[2:]
 
 
-def test_a_spread_makes_a_value_uncertain_by_its_share_of_the_variance() -> None:
+def test_a_spread_makes_a_value_uncertain_by_its_share_of_the_variance():
     """Of twelve units with one run each, and of forty runs of the first of them."""
     unit = np.concatenate([np.zeros(40, int), np.arange(1, 12)])
     evidence = at_unit_information(np.ones((51, 1)), np.ones((51, 1, 1)), unit)
@@ -169,15 +167,15 @@ def at_the_unit(pool: Pool, one: Worth) -> Carried:
 
 @pytest.mark.parametrize(("spread", "is_usual"), [(1.0, True), (0.0, False)])
 def test_a_unit_is_no_mismatch_by_what_all_have_of_an_effect_that_explains_it_as_well(
-    spread: float, is_usual: bool
-) -> None:
+    spread, is_usual
+):
     pool = with_spread(spread)
     one = at_the_unit(pool, worth(pool, ALIKE[0]))
     assert one.score > 20.0
     assert is_of_a_spread(pool, one, [worth(pool, ALIKE[1])], TRIED, 0.01) == is_usual
 
 
-def test_a_name_is_not_excluded_for_what_it_costs_beforehand() -> None:
+def test_a_name_is_not_excluded_for_what_it_costs_beforehand():
     pool = fleet(
         12, lambda unit, station, day: of(ALIKE[0], 2.0 * (station == 2)), runs=80, alike=ALIKE
     )

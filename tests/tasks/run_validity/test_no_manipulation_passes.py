@@ -76,7 +76,7 @@ def decided(calibration: Calibration) -> Decision:
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_run_as_it_was_made_is_valid_and_passes(method: Method) -> None:
+def test_the_run_as_it_was_made_is_valid_and_passes(method):
     calibration = calibration_of(method)
     assert calibration.validity.reasons == ()
     assert decided(calibration).verdict == "pass"
@@ -104,13 +104,13 @@ def case(name: str, methods: tuple[Method, ...]) -> Any:
     ("name", "methods"),
     [case(name, methods) for name in MANIPULATIONS for methods in SAME_EVIDENCE],
 )
-def test_no_manipulated_run_passes(name: str, methods: tuple[Method, ...]) -> None:
+def test_no_manipulated_run_passes(name, methods):
     for each in judged(name, methods):
         assert each.validity.verdict != "valid"
         assert decided(each).verdict == "inconclusive"
 
 
-def test_methods_whose_manipulated_runs_are_gathered_once_gather_alike() -> None:
+def test_methods_whose_manipulated_runs_are_gathered_once_gather_alike():
     for first, *others in SAME_EVIDENCE:
         assert all(SPECIFICATIONS[m].gather is SPECIFICATIONS[first].gather for m in others)
     assert sorted(method for methods in SAME_EVIDENCE for method in methods) == sorted(METHODS)
@@ -125,7 +125,7 @@ def test_methods_whose_manipulated_runs_are_gathered_once_gather_alike() -> None
         if "jjf1536" not in methods or name.startswith(("gyros", "one gyro"))  # it uses no others
     ],
 )
-def test_no_drifting_run_passes(name: str, methods: tuple[Method, ...]) -> None:
+def test_no_drifting_run_passes(name, methods):
     drifting = DRIFTS[name](run_of(methods[0]))
     evidence, evaluation = (
         SPECIFICATIONS[methods[0]].gather(drifting), evaluation_for(drifting, own=as_table_1())
@@ -149,13 +149,11 @@ def test_no_drifting_run_passes(name: str, methods: tuple[Method, ...]) -> None:
         ("table with a gap of a minute", "invalid"),
     ],
 )
-def test_what_is_not_known_leaves_remarks_and_what_is_wrong_makes_the_run_invalid(
-    name: str, verdict: str
-) -> None:
+def test_what_is_not_known_leaves_remarks_and_what_is_wrong_makes_the_run_invalid(name, verdict):
     assert judged(name, SAME_EVIDENCE[0])[0].validity.verdict == verdict
 
 
-def test_the_calibration_of_a_manipulated_run_says_that_it_is_invalid() -> None:
+def test_the_calibration_of_a_manipulated_run_says_that_it_is_invalid():
     late = MANIPULATIONS["unit a second late"](run_of("jjf2003"))
     found = calibrate(SPECIFICATIONS["jjf2003"], late, run="r", code_version="test")
     assert found.validity.verdict == "invalid"

@@ -7,7 +7,7 @@ from tasks.segments.find import find_segments, segments_of, up_of
 from tests.manifests import manifest_of
 
 
-def test_every_labelled_point_of_the_plant_is_found_again(plant) -> None:
+def test_every_labelled_point_of_the_plant_is_found_again(plant):
     recording = plant("plant_clean")
     labels = [s for s in recording.manifest.segments if s.kind in ("static", "rate")]
     found = find_segments(recording)
@@ -22,7 +22,7 @@ def test_every_labelled_point_of_the_plant_is_found_again(plant) -> None:
             assert abs(inside[0].rate_deg_s - label.rate_deg_s) < 0.01
 
 
-def test_hand_held_rests_of_xsens_are_found(real) -> None:
+def test_hand_held_rests_of_xsens_are_found(real):
     recording = real("xsens_multiposition")
     found = find_segments(recording)
     assert len(found) == 38
@@ -32,11 +32,11 @@ def test_hand_held_rests_of_xsens_are_found(real) -> None:
         assert gyro.std(axis=0).max() < 0.02
 
 
-def test_a_shaft_that_never_stops_has_no_rest(real) -> None:
+def test_a_shaft_that_never_stops_has_no_rest(real):
     assert find_segments(real("encoder_mpu6050_pitch_slow")) == ()
 
 
-def test_a_steady_turn_that_nobody_measured_is_not_called_a_rest() -> None:
+def test_a_steady_turn_that_nobody_measured_is_not_called_a_rest():
     t = np.round(np.arange(6000) * 0.01, 9)
     values = np.random.default_rng(2).normal(0.0, 0.001, (6000, 6))
     values[:, 5] += 9.8
@@ -47,14 +47,14 @@ def test_a_steady_turn_that_nobody_measured_is_not_called_a_rest() -> None:
     assert [(s.kind, s.up) for s in found] == [("static", "+z"), ("static", "+z")]
 
 
-def test_what_is_not_gravity_points_nowhere() -> None:
+def test_what_is_not_gravity_points_nowhere():
     assert up_of(np.array([0.0, 0.0, -9.8])) == "-z"
     assert up_of(np.array([0.0, 0.0, 980.0])) is None
     assert up_of(np.array([7.0, 7.0, 0.0])) is None
     assert up_of(np.full(3, np.nan)) is None
 
 
-def test_labelled_segments_are_taken_in_the_order_of_time() -> None:
+def test_labelled_segments_are_taken_in_the_order_of_time():
     def labelled(name: str, start: float) -> dict[str, object]:
         return {"name": name, "kind": "static", "up": "+z", "t_start": start, "t_end": start + 1}
 

@@ -27,7 +27,7 @@ def seen_in(recording: Recording) -> EarthRotationGain:
         ("plant_earth_rotation", 1.0, "present"),
     ],
 )
-def test_headings_apart_tell_whether_a_simulated_earth_turned(plant, name, gain, state) -> None:
+def test_headings_apart_tell_whether_a_simulated_earth_turned(plant, name, gain, state):
     found = seen_in(plant(name))
     assert found.level
     assert abs(found.gain - gain) < 2.0 * found.u
@@ -35,7 +35,7 @@ def test_headings_apart_tell_whether_a_simulated_earth_turned(plant, name, gain,
     assert found.state == state
 
 
-def test_a_g_sensitivity_is_not_taken_for_earth_rotation(plant) -> None:
+def test_a_g_sensitivity_is_not_taken_for_earth_rotation(plant):
     """It turns with gravity, which no heading changes."""
     recording = plant("plant_clean")
     columns = {name: values.copy() for name, values in recording.imu.columns.items()}
@@ -47,7 +47,7 @@ def test_a_g_sensitivity_is_not_taken_for_earth_rotation(plant) -> None:
     assert abs(after.gain - before.gain) < 2.0 * before.u
 
 
-def test_up_minus_down_alone_refutes_nothing_and_finds_a_quiet_gyro_on_the_earth(real) -> None:
+def test_up_minus_down_alone_refutes_nothing_and_finds_a_quiet_gyro_on_the_earth(real):
     quiet = seen_in(real("ln100_two_position"))
     assert (quiet.level, quiet.state) == (False, "present")
     assert quiet.gain == pytest.approx(1.0, abs=0.02)
@@ -64,17 +64,17 @@ def test_up_minus_down_alone_refutes_nothing_and_finds_a_quiet_gyro_on_the_earth
     ("gain", "u", "state"),
     [(1.0, 0.1, "present"), (0.5, 0.3, "not_visible"), (0.0, 0.1, "not_shown"), (-1.0, 0.1, "odd")],
 )
-def test_states_follow_from_three_standard_uncertainties(gain, u, state) -> None:
+def test_states_follow_from_three_standard_uncertainties(gain, u, state):
     assert EarthRotationGain(gain, u, level=True).state == state
     assert texts(earth_rotation_message(EarthRotationGain(gain, u, level=True)))["zh"]
 
 
-def test_without_a_latitude_there_is_no_gain(ideal_run) -> None:
+def test_without_a_latitude_there_is_no_gain(ideal_run):
     assert gather(at_station(ideal_run(), latitude_deg=None)).earth is None
 
 
 @pytest.mark.parametrize("name", ["plant_clean", "plant_earth_rotation"])
-def test_only_where_it_is_seen_the_value_is_said_to_contain_it(plant, name) -> None:
+def test_only_where_it_is_seen_the_value_is_said_to_contain_it(plant, name):
     found = calibrate(JJF2003, plant(name), run="r", code_version="v")
     texts = [remark.en for remark in found.remarks] + [found.information[WITHOUT_EARTH].en]
     includes = [text for text in texts if "includes" in text and "Earth" in text]

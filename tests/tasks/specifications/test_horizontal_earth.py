@@ -63,14 +63,14 @@ def line(estimate: Estimate) -> float:
 
 
 @pytest.mark.parametrize("element", ["xy", "yx", "yz", "zy", "zx", "xz"])
-def test_what_a_rest_within_a_turn_adds_is_within_its_line(element: str) -> None:
+def test_what_a_rest_within_a_turn_adds_is_within_its_line(element):
     found, truth = misalignment(20.0)
     i, j = (AXES.index(axis) for axis in element)
     error = abs(found[element].value - truth[i, j])
     assert error <= 1.05 * line(found[element])
 
 
-def test_the_line_is_no_longer_than_the_largest_error() -> None:
+def test_the_line_is_no_longer_than_the_largest_error():
     """The heading at rest differs by 90° between the two axes across: one of them errs most."""
     found, truth = misalignment(20.0)
     for axis in AXES:
@@ -82,7 +82,7 @@ def test_the_line_is_no_longer_than_the_largest_error() -> None:
         assert np.linalg.norm(errors) == pytest.approx(line(found[others[0] + axis]), rel=0.05)
 
 
-def test_whole_turns_alone_leave_next_to_nothing() -> None:
+def test_whole_turns_alone_leave_next_to_nothing():
     found, _ = misalignment(0.0)
     rested, _ = misalignment(20.0)
     assert all(line(found[e]) < 0.05 * line(rested[e]) for e in found)

@@ -6,5 +6,5 @@ from storage.home import Home
 
 
 @pytest.fixture
-def home(fresh: Home) -> Home:
+def home(fresh) -> Home:
     return fresh

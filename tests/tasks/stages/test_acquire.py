@@ -43,7 +43,7 @@ PROCEDURE_ACQUIRE = Procedure.model_validate({
 
 
 @pytest.fixture
-def station(monkeypatch: pytest.MonkeyPatch) -> StationFile:
+def station(monkeypatch) -> StationFile:
     """A station in this process, acquired from in simulated time."""
     station = InMemoryStation(VirtualStation(unit=draw_unit(7)))
     monkeypatch.setattr(acquire, "acquire", station.run)
@@ -59,8 +59,8 @@ def left_over(home: Home) -> list[Path]:
 
 
 def test_a_file_of_a_run_killed_before_its_readings_is_removed_by_the_next_one_and_no_other_is(
-    station: StationFile, fresh: Home
-) -> None:
+    station, fresh
+):
     fresh.acquiring.mkdir(parents=True)
     ages = {"killed": 2 * acquire.EMPTY_S, "begins": 1.0}
     for name, age_s in ages.items():
@@ -72,9 +72,7 @@ def test_a_file_of_a_run_killed_before_its_readings_is_removed_by_the_next_one_a
 
 
 @pytest.mark.parametrize("serial", ["SN/1", "../../SN"])
-def test_serial_is_in_the_recordings_name_and_in_no_files_name(
-    station: StationFile, fresh: Home, serial: str
-) -> None:
+def test_serial_is_in_the_recordings_name_and_in_no_files_name(station, fresh, serial):
     acquired = acquire_run(
         named(station, serial), PROCEDURE_ACQUIRE, fresh, lambda _: None, operator="Sun"
     )
@@ -87,9 +85,7 @@ def test_serial_is_in_the_recordings_name_and_in_no_files_name(
     assert stated["operator"] == "Sun"
 
 
-def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
-    station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_run_that_recorded_nothing_leaves_no_file_and_says_why(station, fresh, monkeypatch):
     monkeypatch.undo()  # it is looked for on the network
     table = station.table.model_copy(update={"url": "socket://127.0.0.1:1"})
     closed = station.model_copy(update={"table": table})
@@ -99,9 +95,7 @@ def test_run_that_recorded_nothing_leaves_no_file_and_says_why(
     assert left_over(fresh) == []
 
 
-def test_run_that_is_broken_off_says_where_its_recording_lies(
-    station: StationFile, fresh: Home
-) -> None:
+def test_run_that_is_broken_off_says_where_its_recording_lies(station, fresh):
     stop = StopSwitch()
 
     def report(progress: object) -> None:
@@ -116,18 +110,14 @@ def test_run_that_is_broken_off_says_where_its_recording_lies(
     assert len(read_mcap(left, salvage=True).imu)
 
 
-def test_a_reader_of_the_progress_that_is_gone_costs_the_progress_alone(
-    station: StationFile, fresh: Home
-) -> None:
+def test_a_reader_of_the_progress_that_is_gone_costs_the_progress_alone(station, fresh):
     def report(progress: object) -> None:
         raise BrokenPipeError(32, "Broken pipe")
 
     assert len(acquire_run(station, PROCEDURE_ACQUIRE, fresh, report).kept) == 1
 
 
-def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(
-    station: StationFile, fresh: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(station, fresh, monkeypatch):
     append = writer.RawWriter.append
 
     def and_let_it_be_written(raw: writer.RawWriter, name: str, stream: Stream) -> None:
@@ -208,7 +198,7 @@ class Bench:
 
 
 @pytest.fixture
-def bench(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Bench:
+def bench(tmp_path, monkeypatch) -> Bench:
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     return Bench(Home(tmp_path / "home"), monkeypatch)
 
@@ -308,7 +298,7 @@ PROCEDURE_RUN_STATUS = procedures.load("jjf2003")
 TURNING = Progress("rate x", 10.0, 20.0, 5.0, "measuring", 3, 4, {"imu": 100.0}, {"gyro": 0.1})
 
 
-def test_it_stands_as_the_run_and_then_as_its_end(tmp_path: Path) -> None:
+def test_it_stands_as_the_run_and_then_as_its_end(tmp_path):
     home, reported = Home(tmp_path), []
     with status_file(STATION, PROCEDURE_RUN_STATUS, home, reported.append) as report:
         assert statuses(home)[0][0].state == "begun"
@@ -321,14 +311,14 @@ def test_it_stands_as_the_run_and_then_as_its_end(tmp_path: Path) -> None:
     assert statuses(home)[0][0].state == "done"
 
 
-def test_a_run_is_not_done_before_its_recording_is_in_the_store(tmp_path: Path) -> None:
+def test_a_run_is_not_done_before_its_recording_is_in_the_store(tmp_path):
     home = Home(tmp_path)
     with status_file(STATION, PROCEDURE_RUN_STATUS, home, lambda _: None) as report:
         report(Progress("done", 20.0, 20.0, 0.0, "done", 4, 4))
         assert statuses(home)[0][0].state == "finishing"
 
 
-def test_what_ends_a_run_is_its_cause(tmp_path: Path) -> None:
+def test_what_ends_a_run_is_its_cause(tmp_path):
     home = Home(tmp_path)
     with (
         pytest.raises(KeyboardInterrupt),

@@ -1,7 +1,5 @@
 """An alert reaches the operators of recall.toml on every channel, at any hour."""
 
-from pathlib import Path
-
 import pytest
 
 from schemas.base import Unusable
@@ -20,9 +18,7 @@ channels = { mail = "json://localhost:9", chat = "json://localhost:10" }
 """
 
 
-def test_each_channel_gets_the_sentence_and_a_fault_of_one_is_no_fault_of_another(
-    tmp_path: Path,
-) -> None:
+def test_each_channel_gets_the_sentence_and_a_fault_of_one_is_no_fault_of_another(tmp_path):
     (tmp_path / "recall.toml").write_text(FILE)
     sent = []
 
@@ -36,7 +32,7 @@ def test_each_channel_gets_the_sentence_and_a_fault_of_one_is_no_fault_of_anothe
 
 
 @pytest.mark.parametrize("text", [None, 'format = "mimu-recall/1"\n'])
-def test_without_operators_it_says_where_to_name_them(tmp_path: Path, text: str | None) -> None:
+def test_without_operators_it_says_where_to_name_them(tmp_path, text):
     if text:
         (tmp_path / "recall.toml").write_text(text)
     with pytest.raises(Unusable, match=r"recall\.toml names no operators"):

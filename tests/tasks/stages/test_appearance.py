@@ -1,7 +1,5 @@
 """The files that a laboratory names, as the record of a certificate holds them."""
 
-from pathlib import Path
-
 import pytest
 
 from schemas.base import Unusable
@@ -12,9 +10,7 @@ from tasks.stages.certificate_inputs import LARGEST, with_appearance
 PARTY = Party(name="L", name_zh="实", address="a", address_zh="址")
 
 
-def test_files_are_counted_from_the_home_and_the_record_holds_what_is_in_them(
-    tmp_path: Path,
-) -> None:
+def test_files_are_counted_from_the_home_and_the_record_holds_what_is_in_them(tmp_path):
     (tmp_path / "logo.svg").write_bytes(b"<svg/>")
     (tmp_path / "own.typ").write_text("#it.number", encoding="utf-8")
     given = Laboratory(party=PARTY, logo="logo.svg", template="own.typ")
@@ -36,9 +32,7 @@ def test_files_are_counted_from_the_home_and_the_record_holds_what_is_in_them(
         ("template", b"\xff\xfe", "is not UTF-8"),
     ],
 )
-def test_a_file_that_cannot_serve_is_one_sentence(
-    tmp_path: Path, name: str, content: bytes | None, fault: str
-) -> None:
+def test_a_file_that_cannot_serve_is_one_sentence(tmp_path, name, content, fault):
     if content is not None:
         (tmp_path / "file").write_bytes(content)
     given = Laboratory.model_validate({"party": PARTY, name: "file"})

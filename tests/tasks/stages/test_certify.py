@@ -5,7 +5,6 @@ from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
 from functools import cache
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -38,9 +37,7 @@ Keep = Callable[..., Given]
 
 
 @pytest.fixture(scope="module")
-def estimated(
-    ideal_run: Callable[..., Recording], tmp_path_factory: pytest.TempPathFactory
-) -> Callable[[str], tuple[Recording, Calibration]]:
+def estimated(ideal_run, tmp_path_factory) -> Callable[[str], tuple[Recording, Calibration]]:
     """An ideal run whose manifest says what is given beside, in JSON, and its result."""
 
     @cache
@@ -56,7 +53,7 @@ def estimated(
 
 
 @pytest.fixture
-def kept(estimated, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Keep:
+def kept(estimated, tmp_path, monkeypatch) -> Keep:
     """Keeps such a run and its result in a home of the test's own."""
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     home = Home(tmp_path / "home")
@@ -82,7 +79,7 @@ def order(received: date, **more: Any) -> Order:
 
 
 @pytest.mark.parametrize("moment", ["2026-05-02T00:30:00+08:00", "20260502T003000+0800"])
-def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep, moment: str) -> None:
+def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept, moment):
     given = kept(recorded_at=moment)
     agreed = order(date(2026, 5, 1), recalibration_agreed=True)
     certificate = certify(*given, Inputs(order=agreed)).certificate
@@ -100,17 +97,13 @@ def test_day_of_calibration_is_the_one_on_the_stations_own_clock(kept: Keep, mom
         ({"recalibration_agreed": True, "interval_months": 24}, date(2028, 5, 2)),
     ],
 )
-def test_a_unit_comes_back_only_where_the_order_agrees_on_it(
-    kept: Keep, agreed: dict[str, Any], due: date | None
-) -> None:
+def test_a_unit_comes_back_only_where_the_order_agrees_on_it(kept, agreed, due):
     calibration = kept()[1]
     assert due_date(date(2026, 5, 2), order(date(2026, 5, 1), **agreed), calibration) == due
     assert due_date(date(2026, 5, 2), None, calibration) is None
 
 
-def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificate(
-    kept: Keep,
-) -> None:
+def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificate(kept):
     given = kept()
     agreed = order(date(2026, 5, 1), recalibration_agreed=True)
     certificate = certify(*given, Inputs(order=agreed)).certificate
@@ -131,7 +124,7 @@ def test_day_that_nothing_tells_stays_unknown_and_due_counts_from_the_certificat
         Inputs(order=order(date(2026, 5, 1), calibrated_on=date(2026, 5, 2))),
     ],
 )
-def test_papers_may_tell_the_day(kept: Keep, inputs: Inputs) -> None:
+def test_papers_may_tell_the_day(kept, inputs):
     assert certify(*kept(), inputs).certificate.calibrated_on == date(2026, 5, 2)
 
 
@@ -161,9 +154,7 @@ def test_papers_may_tell_the_day(kept: Keep, inputs: Inputs) -> None:
         ({}, Inputs(order=order(date(9999, 12, 31))), "after today"),
     ],
 )
-def test_what_is_refused_leaves_no_draft(
-    kept: Keep, statement: dict[str, Any], inputs: Inputs, says: str
-) -> None:
+def test_what_is_refused_leaves_no_draft(kept, statement, inputs, says):
     given = kept(**statement)
     with pytest.raises(Unusable, match=says) as refusal:
         certify(*given, inputs)
@@ -171,7 +162,7 @@ def test_what_is_refused_leaves_no_draft(
     assert certificates.register(given[2]) == []
 
 
-def test_item_that_is_not_validated_passes_no_unit(kept: Keep, monkeypatch, validated) -> None:
+def test_item_that_is_not_validated_passes_no_unit(kept, monkeypatch, validated):
     """Missing, then there; a record in the home goes before the one that is shipped."""
     given = kept()
     monkeypatch.setattr(record, "shipped", lambda: None)
@@ -190,7 +181,7 @@ def test_item_that_is_not_validated_passes_no_unit(kept: Keep, monkeypatch, vali
     )
 
 
-def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) -> None:
+def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept):
     given = kept(recorded_at="2026-04-01", equipment=[STANDARD])
     inputs = Inputs(tolerance=tolerance(), laboratory=Laboratory(party=PARTY))
     certificate = certify(*given, inputs).certificate
@@ -200,9 +191,7 @@ def test_expired_standard_of_the_station_is_a_reason_against_a_pass(kept: Keep) 
     assert certificate.decision.verdict == "inconclusive"
 
 
-def test_a_run_as_found_is_decided_by_the_same_limits_and_found_with_its_certificate(
-    kept: Keep,
-) -> None:
+def test_a_run_as_found_is_decided_by_the_same_limits_and_found_with_its_certificate(kept):
     found, before, home = kept(recording_id="before", recorded_at="2026-05-02T09:00:00+08:00")
     left, after, _ = kept(recorded_at="2026-05-02T15:00:00+08:00")
     certificate = certify(
@@ -231,16 +220,14 @@ def test_a_run_as_found_is_decided_by_the_same_limits_and_found_with_its_certifi
         ({}, {}, "itself"),
     ],
 )
-def test_a_run_as_found_that_cannot_be_is_refused(
-    kept: Keep, earlier: dict[str, Any], later: dict[str, Any], says: str
-) -> None:
+def test_a_run_as_found_that_cannot_be_is_refused(kept, earlier, later, says):
     found, before, home = kept(**earlier)
     left, after, _ = kept(**later)
     with pytest.raises(Unusable, match=says):
         certify(left, after, home, Inputs(tolerance=tolerance()), (found, before))
 
 
-def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) -> None:
+def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept):
     run, calibration, home = kept()
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
     given = (run, calibration.model_copy(update={"remarks": (wrong,)}), home)
@@ -254,7 +241,7 @@ def test_an_invalid_run_is_refused_unless_its_report_is_asked_for(kept: Keep) ->
     assert "the run is invalid: no decision is made on the unit" in reported.decision.reasons
 
 
-def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep, monkeypatch) -> None:
+def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept, monkeypatch):
     monkeypatch.setattr(pdf, "render", render)  # typeset after all
     run, result, home = kept()
     (home.path / "logo.png").write_bytes(b"no picture")
@@ -270,9 +257,7 @@ def test_a_broken_logo_is_one_sentence_and_leaves_no_certificate(kept: Keep, mon
         certify(run, result, home, Inputs(laboratory=laboratory))
 
 
-def test_the_record_has_the_curves_of_the_run_and_those_of_the_units_earlier_certificates(
-    kept: Keep,
-) -> None:
+def test_the_record_has_the_curves_of_the_run_and_those_of_the_units_earlier_certificates(kept):
     run, calibration, home = kept(recorded_at="2026-05-02", recording_id="now")
     shifted = {
         name: item.model_copy(update={"value": {e: v and v + 1.0 for e, v in item.value.items()}})
@@ -292,7 +277,7 @@ def test_the_record_has_the_curves_of_the_run_and_those_of_the_units_earlier_cer
     assert [each.y for each in moved] == [pytest.approx((1.0, 0.0))] * len(moved)
 
 
-def test_a_capability_is_decided_on_while_the_catalogue_keeps_the_result(kept: Keep) -> None:
+def test_a_capability_is_decided_on_while_the_catalogue_keeps_the_result(kept):
     given = kept()
     least = Capability(item="gyro_scale_factor", unit="1", U=0.05, rates_deg_s=(1.0, 400.0))
     laboratory = Laboratory(party=PARTY, capabilities=(least,))
@@ -308,7 +293,7 @@ def test_a_capability_is_decided_on_while_the_catalogue_keeps_the_result(kept: K
         certify(*given, refused)
 
 
-def test_a_failed_check_of_a_standard_is_a_reason_against_a_pass(kept: Keep) -> None:
+def test_a_failed_check_of_a_standard_is_a_reason_against_a_pass(kept):
     check = {"checked_on": "2026-02-01", "what": "level", "result": 2.0, "limit": 1.0, "unit": "″"}
     given = kept(recorded_at="2026-03-01", equipment=[STANDARD | {"checks": [check]}])
     inputs = Inputs(tolerance=tolerance(), laboratory=Laboratory(party=PARTY))

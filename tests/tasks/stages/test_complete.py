@@ -101,13 +101,13 @@ def at(made: Certificate, state: State) -> Certificate:
     return made.model_copy(update={"state": state, "steps": tuple(steps[:taken])})
 
 
-def test_everything_mandatory_is_left_out_once_below() -> None:
+def test_everything_mandatory_is_left_out_once_below():
     assert LEFT_OUT.keys() | BY_A_STEP == {each.name for each in CLAUSE_8}
     assert {SPECIFICATIONS[method].standard for method in BOTH} == set(MANDATORY)
 
 
 @pytest.mark.parametrize("method", BOTH)
-def test_a_certificate_that_states_everything_is_issued(home: Home, method: Method) -> None:
+def test_a_certificate_that_states_everything_is_issued(home, method):
     draft = drafted(home, method)
     assert draft.missing == ()
     check(draft.certificate.number, home, "Li")
@@ -120,9 +120,7 @@ def test_a_certificate_that_states_everything_is_issued(home: Home, method: Meth
     "method", ["jjf2003", pytest.param("jjf1536", marks=pytest.mark.rehearsal)]
 )
 @pytest.mark.parametrize("name", LEFT_OUT)
-def test_what_is_left_out_is_listed_and_keeps_it_from_being_issued(
-    home: Home, name: str, method: Method
-) -> None:
+def test_what_is_left_out_is_listed_and_keeps_it_from_being_issued(home, name, method):
     draft = drafted(home, method, LEFT_OUT[name])
     listed = [say(each, "en") for each in draft.missing]
     required = next(each for each in CLAUSE_8 if each.name == name)
@@ -138,7 +136,7 @@ def test_what_is_left_out_is_listed_and_keeps_it_from_being_issued(
 
 
 @pytest.mark.parametrize("name", sorted(BY_A_STEP))
-def test_a_step_that_nobody_took_is_missing(home: Home, name: str) -> None:
+def test_a_step_that_nobody_took_is_missing(home, name):
     made = at(drafted(home, "jjf2003").certificate, "issued")
     step = {"issuer": "issue", "checker": "check"}[name]
     steps = tuple(each for each in made.steps if each.step != step)
@@ -147,7 +145,7 @@ def test_a_step_that_nobody_took_is_missing(home: Home, name: str) -> None:
 
 
 @pytest.mark.parametrize("method", BOTH)
-def test_all_that_is_missing_is_said_at_once(home: Home, method: Method) -> None:
+def test_all_that_is_missing_is_said_at_once(home, method):
     def nothing(made: Certificate) -> Certificate:
         return made.model_copy(
             update={"laboratory": None, "order": None, "calibrated_on": None, "operator": None}
@@ -169,7 +167,7 @@ def everywhere(made: Certificate) -> dict[str, str]:
     return {"page": str(content(made)), "dcc": dcc, "record": faces.record.decode()}
 
 
-def test_what_is_mandatory_stands_on_page_dcc_and_record(home: Home) -> None:
+def test_what_is_mandatory_stands_on_page_dcc_and_record(home):
     mandatory = {
         "Lab", "1 Road", "Client", "2 Road", "Maker", "2018-01-01", "2026-11-20", "Turntable",
         "TT-1", "C-1", "Sun", "Li", "Zhao", "Head of laboratory",
@@ -179,7 +177,7 @@ def test_what_is_mandatory_stands_on_page_dcc_and_record(home: Home) -> None:
         assert {text for text in mandatory if text not in found} == set(), face
 
 
-def test_a_report_is_issued_with_less_and_says_so(home: Home) -> None:
+def test_a_report_is_issued_with_less_and_says_so(home):
     agreed = "order 4711 of 2026-11-02, clause 5"
     accredited = changed("laboratory.accreditation", "CNAS L1234")
 
@@ -204,7 +202,7 @@ def test_a_report_is_issued_with_less_and_says_so(home: Home) -> None:
     assert "CNAS" not in faces["page"] + faces["dcc"].partition("mimu-certificate-record")[0]
 
 
-def test_a_report_does_not_go_round_what_is_contradicted_or_out_of_date(home: Home) -> None:
+def test_a_report_does_not_go_round_what_is_contradicted_or_out_of_date(home):
     late = of_standard(valid_until=MORNING.date().replace(year=2025))  # type: ignore[arg-type]
     key = drafted(home, "jjf2003", late, report="agreed").certificate.number
     with pytest.raises(Unusable, match="2025-11-21"):

@@ -1,6 +1,5 @@
 """A recording with its unit's errors taken off, where not every row can be corrected."""
 
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -23,9 +22,7 @@ def without_accel(recording: Recording, rows: slice) -> Recording:
     return replace(recording, imu=Stream(recording.imu.t, columns))
 
 
-def test_rows_that_lack_what_they_are_corrected_by_are_left_out(
-    ideal_run: Callable[..., Recording],
-) -> None:
+def test_rows_that_lack_what_they_are_corrected_by_are_left_out(ideal_run):
     recording = ideal_run(dwell=2.0, **BIASED)
     calibration = calibrate(JJF2003, recording, run="r", code_version="v")
     known, _, _ = coefficients(calibration)
@@ -35,7 +32,7 @@ def test_rows_that_lack_what_they_are_corrected_by_are_left_out(
     np.testing.assert_array_equal(made.imu.columns["temperature"], 28.0)
 
 
-def test_a_recording_of_one_triad_alone_is_refused(ideal_run: Callable[..., Recording]) -> None:
+def test_a_recording_of_one_triad_alone_is_refused(ideal_run):
     recording = ideal_run(dwell=2.0, **BIASED)
     calibration = calibrate(JJF2003, recording, run="r", code_version="v")
     known, _, _ = coefficients(calibration)

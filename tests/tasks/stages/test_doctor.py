@@ -5,12 +5,10 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from datetime import UTC, datetime, timedelta
 from http.server import BaseHTTPRequestHandler, HTTPServer
-from pathlib import Path
 from threading import Thread
 
 import pytest
 
-from schemas.calibration import ValidationRecord
 from schemas.recording import RunStatus
 from schemas.store import Examined
 from storage.catalogue import audit_trail, database
@@ -22,7 +20,7 @@ from tasks.validation import record
 
 
 @pytest.fixture
-def empty(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, validated: ValidationRecord) -> Home:
+def empty(tmp_path, monkeypatch, validated) -> Home:
     monkeypatch.setattr(record, "shipped", lambda: validated)
     monkeypatch.delenv("PREFECT_API_URL", raising=False)
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
@@ -33,14 +31,12 @@ def examined(home: Home, what: str) -> Examined:
     return next(one for one in diagnose(home).examined if one.what == what)
 
 
-def test_a_fresh_home_on_a_sound_machine_needs_nothing(empty: Home) -> None:
+def test_a_fresh_home_on_a_sound_machine_needs_nothing(empty):
     assert diagnose(empty).faults == ()
     assert not empty.path.exists()
 
 
-def test_a_missing_package_and_one_of_another_release_are_named(
-    empty: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_missing_package_and_one_of_another_release_are_named(empty, monkeypatch):
     needed = ["numpy", "no-such-package", "scipy<1", "other; python_version < '3'"]
     monkeypatch.setattr(stage, "requires", lambda _: needed)
     found = examined(empty, "packages")
@@ -50,13 +46,13 @@ def test_a_missing_package_and_one_of_another_release_are_named(
     assert found.remedy is not None
 
 
-def test_a_catalogue_that_is_none_is_told(empty: Home) -> None:
+def test_a_catalogue_that_is_none_is_told(empty):
     empty.path.mkdir()
     (empty.path / "catalog.sqlite").write_bytes(b"no database at all, and long enough" * 99)
     assert examined(empty, "catalogue").remedy is not None
 
 
-def test_a_clock_behind_the_trail_is_told(empty: Home) -> None:
+def test_a_clock_behind_the_trail_is_told(empty):
     with database.changing(empty) as connection:
         audit_trail.add(
             connection, "Li Na", "issue", "A-1", at=datetime.now(UTC) + timedelta(days=2)
@@ -65,15 +61,13 @@ def test_a_clock_behind_the_trail_is_told(empty: Home) -> None:
 
 
 @pytest.mark.parametrize("name", ["laboratory.toml", "recall.toml"])
-def test_a_file_of_settings_that_cannot_be_read_is_told(empty: Home, name: str) -> None:
+def test_a_file_of_settings_that_cannot_be_read_is_told(empty, name):
     empty.path.mkdir()
     (empty.path / name).write_text("[")
     assert name in str(examined(empty, name).remedy)
 
 
-def test_a_record_of_another_code_is_told(
-    empty: Home, monkeypatch: pytest.MonkeyPatch, validated: ValidationRecord
-) -> None:
+def test_a_record_of_another_code_is_told(empty, monkeypatch, validated):
     methods = {
         name: each.model_copy(update={"fingerprint": "0" * 64})
         for name, each in validated.methods.items()
@@ -83,7 +77,7 @@ def test_a_record_of_another_code_is_told(
     assert "mimucal validate" in str(examined(empty, "validation record").remedy)
 
 
-def test_an_interrupted_run_is_told(empty: Home) -> None:
+def test_an_interrupted_run_is_told(empty):
     empty.acquiring.mkdir(parents=True)
     left = empty.acquiring / "20260301T000000Z-ab.mcap"
     left.touch()  # killed before its first readings: the next run removes it
@@ -92,7 +86,7 @@ def test_an_interrupted_run_is_told(empty: Home) -> None:
     assert "--resume" in str(examined(empty, "interrupted runs").remedy)
 
 
-def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty: Home) -> None:
+def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty):
     recording = empty.acquiring / "20260301T000000Z-ab.mcap"
     recording.parent.mkdir(parents=True)
     recording.write_bytes(b"recorded")
@@ -108,9 +102,7 @@ def test_a_run_that_is_going_on_is_none_of_the_interrupted(empty: Home) -> None:
     assert recording.name in examined(empty, "interrupted runs").found
 
 
-def test_a_line_whose_operators_nobody_named_is_told(
-    empty: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_line_whose_operators_nobody_named_is_told(empty, monkeypatch):
     assert all(one.what != "alerts" for one in diagnose(empty).examined)
     monkeypatch.setenv("PREFECT_API_URL", "http://127.0.0.1:9/api")
     assert "[operators]" in str(examined(empty, "alerts").remedy)
@@ -120,9 +112,7 @@ def test_a_line_whose_operators_nobody_named_is_told(
 
 
 @pytest.mark.parametrize("url", ["http://127.0.0.1:9/api", "not an address"])
-def test_a_prefect_server_that_does_not_answer_is_told(
-    empty: Home, monkeypatch: pytest.MonkeyPatch, url: str
-) -> None:
+def test_a_prefect_server_that_does_not_answer_is_told(empty, monkeypatch, url):
     monkeypatch.setenv("PREFECT_API_URL", url)
     assert "PREFECT_API_URL" in str(examined(empty, "Prefect").remedy)
 
@@ -158,9 +148,7 @@ def server_with(password: str | None) -> Iterator[str]:
         thread.join()
 
 
-def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(
-    empty: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(empty, monkeypatch):
     monkeypatch.setenv("PREFECT_API_AUTH_STRING", "line:secret")
     with server_with("Basic bGluZTpzZWNyZXQ=") as url:
         monkeypatch.setenv("PREFECT_API_URL", url)
@@ -176,7 +164,7 @@ def test_a_prefect_server_is_asked_with_its_password_and_one_without_is_told(
         assert "Set PREFECT_SERVER_API_AUTH_STRING" in str(examined(empty, "Prefect's door").remedy)
 
 
-def test_a_home_that_everybody_may_read_is_told(empty: Home) -> None:
+def test_a_home_that_everybody_may_read_is_told(empty):
     empty.path.mkdir(0o700)
     assert examined(empty, "rights of the home").remedy is None
     empty.path.chmod(0o755)

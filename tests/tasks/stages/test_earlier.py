@@ -2,8 +2,6 @@
 
 from datetime import date
 
-import pytest
-
 from schemas.certificate import State
 from storage.catalogue import certificates, runs
 from storage.catalogue.runs import Run
@@ -27,8 +25,8 @@ def kept(home: Home, recording: str, number: str, day: date, state: State = "iss
 
 
 def test_only_issued_ones_of_other_runs_from_before_the_day_count_in_the_order_of_their_days(
-    home: Home, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    home, monkeypatch
+):
     kept(home, "b", "M-2", date(2025, 11, 20))
     kept(home, "a", "M-1", date(2024, 11, 20))
     kept(home, "c", "M-C", date(2025, 5, 5), state="checked")
@@ -40,7 +38,7 @@ def test_only_issued_ones_of_other_runs_from_before_the_day_count_in_the_order_o
     assert [each.number for each in earlier_certificates(run, DAY, home)] == ["M-2"]
 
 
-def test_a_record_that_was_damaged_is_passed_over(home: Home) -> None:
+def test_a_record_that_was_damaged_is_passed_over(home):
     run = kept(home, "now", "M-2", DAY)
     kept(home, "then", "M-1", date(2024, 11, 20))
     (entry,) = certificates.issued_before(run, DAY, 20, home)

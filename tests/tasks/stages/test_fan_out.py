@@ -36,14 +36,12 @@ def dies_always(thing: str) -> str:
 
 
 @pytest.mark.parametrize("workers", [1, 2])
-def test_each_thing_is_done_once(workers: int) -> None:
+def test_each_thing_is_done_once(workers):
     done = list(fan_out(squared, range(20), workers, died=lambda thing: -thing))
     assert sorted(done) == [k**2 for k in range(20)]
 
 
-def test_workers_compute_with_one_thread_and_leave_the_environment_as_it_was(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_workers_compute_with_one_thread_and_leave_the_environment_as_it_was(monkeypatch):
     monkeypatch.setenv(ONE_THREAD[0], "7")
     monkeypatch.delenv(ONE_THREAD[1], raising=False)
     assert set(fan_out(threads, [1, 2], 2, died=threads)) == {("1", "1", "1")}
@@ -51,13 +49,13 @@ def test_workers_compute_with_one_thread_and_leave_the_environment_as_it_was(
     assert ONE_THREAD[1] not in os.environ
 
 
-def test_a_killed_worker_costs_no_result(tmp_path: Path) -> None:
+def test_a_killed_worker_costs_no_result(tmp_path):
     things = [tmp_path / name for name in ("a", "b", "mortal", "c", "d", "e", "f")]
     done = list(fan_out(dies_once, things, 2, died=lambda thing: f"died at {thing}"))
     assert sorted(done) == sorted(thing.name for thing in things)
 
 
-def test_what_kills_every_worker_is_given_up_and_the_rest_done() -> None:
+def test_what_kills_every_worker_is_given_up_and_the_rest_done():
     things = ["a", "deadly", "b", "c"]
     done = list(fan_out(dies_always, things, 2, died=lambda thing: f"{thing} died"))
     assert sorted(done) == ["a", "b", "c", "deadly died"]

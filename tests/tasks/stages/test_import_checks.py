@@ -23,7 +23,7 @@ Write = Callable[..., Path]
 
 
 @pytest.fixture
-def write(tmp_path: Path) -> Write:
+def write(tmp_path) -> Write:
     """Writes a recording whose named columns are null in some rows, with one label each."""
 
     def build(absent: tuple[str, ...], rows: slice, *labels: dict) -> Path:
@@ -44,7 +44,7 @@ def write(tmp_path: Path) -> Write:
 
 
 @pytest.mark.parametrize("stated", ["2026-13-45T08:00:00Z", "02.03.2026", "yesterday", 5])
-def test_a_day_that_no_recall_would_find_is_refused(tmp_path: Path, stated: object) -> None:
+def test_a_day_that_no_recall_would_find_is_refused(tmp_path, stated):
     manifest = manifest_of("day", acquired_at=stated)
     t = np.arange(ROWS) / 100
     path = tmp_path / "day.mcap"
@@ -60,16 +60,14 @@ def test_a_day_that_no_recall_would_find_is_refused(tmp_path: Path, stated: obje
         (ACCEL, {"item": "rate_sensitivity", "kind": "static"}, ("rate_sensitivity", "accel_*")),
     ],
 )
-def test_item_without_its_triad_is_refused_with_the_path(
-    write: Write, absent: tuple[str, ...], label: dict, words: tuple[str, ...]
-) -> None:
+def test_item_without_its_triad_is_refused_with_the_path(write, absent, label, words):
     path = write(absent, slice(None), label)
     with pytest.raises(Unusable) as refusal:
         read(path)
     assert all(word in str(refusal.value) for word in (*words, str(path)))
 
 
-def test_item_with_one_segment_that_serves_is_taken(write: Write) -> None:
+def test_item_with_one_segment_that_serves_is_taken(write):
     path = write(GYRO, slice(0, 8), RATE | {"t_end": 0.05}, RATE | {"t_start": 0.1})
     assert read(path).manifest.segments
 
@@ -77,9 +75,7 @@ def test_item_with_one_segment_that_serves_is_taken(write: Write) -> None:
 @pytest.mark.parametrize(
     ("factors", "unit"), [((180.0 / np.pi, 1.0), "gyro=deg/s"), ((1.0, 1.0 / 9.80665), "accel=g")]
 )
-def test_a_unit_that_is_mixed_up_is_refused_with_the_one_it_looks_like(
-    tmp_path: Path, factors: tuple[float, float], unit: str
-) -> None:
+def test_a_unit_that_is_mixed_up_is_refused_with_the_one_it_looks_like(tmp_path, factors, unit):
     made = bench(3, hertz=25.0, dwell=4.0, rates=(40.0,), turns=(0.0,))
     write_mcap(recorded(made), tmp_path / "right.mcap")
     assert read(tmp_path / "right.mcap").manifest.segments
@@ -89,7 +85,7 @@ def test_a_unit_that_is_mixed_up_is_refused_with_the_one_it_looks_like(
         read(tmp_path / "wrong.mcap")
 
 
-def test_verifying_a_path_finds_what_an_import_would_refuse(write: Write, tmp_path: Path) -> None:
+def test_verifying_a_path_finds_what_an_import_would_refuse(write, tmp_path):
     (fault,) = faults_of(write(GYRO, slice(None), RATE))
     assert "gyro_*" in fault.why
     (missing,) = faults_of(tmp_path / "none")
@@ -97,7 +93,7 @@ def test_verifying_a_path_finds_what_an_import_would_refuse(write: Write, tmp_pa
     assert faults_of(write((), slice(0), RATE)) == []
 
 
-def test_what_is_stored_is_never_judged_again(write: Write, tmp_path: Path) -> None:
+def test_what_is_stored_is_never_judged_again(write, tmp_path):
     home = Home(tmp_path / "home")
     run, _ = runs.add(recordings.read(write(GYRO, slice(None), RATE)), home)
     assert runs.load(run, home).manifest.recording_id == "triads"

@@ -51,7 +51,7 @@ def refusal(step: Callable[..., object], *arguments: object) -> str:
     return sentence
 
 
-def test_a_draft_has_a_key_and_gets_its_number_at_issue(home: Home) -> None:
+def test_a_draft_has_a_key_and_gets_its_number_at_issue(home):
     drafted = draft(home)
     run = runs.all_runs(home)[0].id
     assert (drafted.certificate.number, drafted.state) == (f"draft-{run[:8]}", "draft")
@@ -70,7 +70,7 @@ def test_a_draft_has_a_key_and_gets_its_number_at_issue(home: Home) -> None:
     assert verify(home)[1] == []
 
 
-def test_certifying_again_supersedes_the_draft_of_that_run_and_purpose(home: Home) -> None:
+def test_certifying_again_supersedes_the_draft_of_that_run_and_purpose(home):
     first = draft(home)
     check(first.certificate.number, home, "Li")
     second = draft(home, bias=0.5)
@@ -81,7 +81,7 @@ def test_certifying_again_supersedes_the_draft_of_that_run_and_purpose(home: Hom
     assert verify(home)[1] == []
 
 
-def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home: Home) -> None:
+def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home):
     draft(home)
     run = runs.all_runs(home)[0]
     joint = calibration_of(run, method="joint")
@@ -90,7 +90,7 @@ def test_certificates_of_one_run_for_different_purposes_stand_side_by_side(home:
     assert len(certificates.register(home)) == 2
 
 
-def test_a_refused_issue_costs_no_number(home: Home) -> None:
+def test_a_refused_issue_costs_no_number(home):
     key = draft(home, "1", decision=NO_LIMITS).certificate.number
     refusal(check, key, home, "Li")
     late = draft(home, "3").certificate.number
@@ -109,14 +109,14 @@ def test_a_refused_issue_costs_no_number(home: Home) -> None:
         ((check, issue), check, r"Draft \S+ is issued, as certificate LAB-\d+-0001"),
     ],
 )
-def test_a_step_out_of_order_is_refused(home: Home, taken, step, says: str) -> None:
+def test_a_step_out_of_order_is_refused(home, taken, step, says):
     key = draft(home).certificate.number
     for each, person in zip(taken, ("Li", "Zhao"), strict=False):
         each(key, home, person)
     assert re.search(says, refusal(step, key, home, "Sun"))
 
 
-def test_only_an_issued_certificate_is_withdrawn_or_amended_and_only_once(home: Home) -> None:
+def test_only_an_issued_certificate_is_withdrawn_or_amended_and_only_once(home):
     key = draft(home).certificate.number
     assert "comes first" in refusal(withdraw, key, home, "Zhao", "an error")
     number = issued(home).certificate.number
@@ -127,26 +127,26 @@ def test_only_an_issued_certificate_is_withdrawn_or_amended_and_only_once(home: 
 
 
 @pytest.mark.parametrize("person", ["Wang", " wang", "ＷＡＮＧ"])
-def test_who_drafted_does_not_check(home: Home, person: str) -> None:
+def test_who_drafted_does_not_check(home, person):
     key = draft(home).certificate.number
     assert refusal(check, key, home, person).startswith(f"Wang drafted {key}, so another person")
 
 
 @pytest.mark.parametrize(("person", "did"), [("Wang", "drafted"), ("Li", "checked")])
-def test_who_drafted_or_checked_does_not_issue(home: Home, person: str, did: str) -> None:
+def test_who_drafted_or_checked_does_not_issue(home, person, did):
     key = draft(home).certificate.number
     check(key, home, "Li")
     assert refusal(issue, key, home, person).startswith(f"{person} {did} {key}")
 
 
-def test_a_laboratory_may_allow_one_person_for_all(home: Home) -> None:
+def test_a_laboratory_may_allow_one_person_for_all(home):
     alone = LABORATORY.model_copy(update={"separate_persons": False})
     key = draft(home, laboratory=alone).certificate.number
     check(key, home, "Wang")
     assert issue(key, home, "Wang").state == "issued"
 
 
-def test_the_homes_own_laboratory_goes_before_that_of_the_certificate(home: Home) -> None:
+def test_the_homes_own_laboratory_goes_before_that_of_the_certificate(home):
     home.path.mkdir()
     party = "\n".join(f'{name} = "{text}"' for name, text in PARTY.model_dump().items())
     (home.path / "laboratory.toml").write_text(f"[party]\n{party}\n", encoding="utf-8")
@@ -155,22 +155,20 @@ def test_the_homes_own_laboratory_goes_before_that_of_the_certificate(home: Home
     assert "another person" in refusal(check, key, home, "Wang")
 
 
-def test_a_unit_without_limits_is_issued_only_where_the_order_asks_for_no_verdict(
-    home: Home,
-) -> None:
+def test_a_unit_without_limits_is_issued_only_where_the_order_asks_for_no_verdict(home):
     key = draft(home, decision=NO_LIMITS).certificate.number
     assert "there are no limits of Maker U" in refusal(check, key, home, "Li")
     order = Order(client=PARTY, received=date(2026, 11, 1), conformity=False)
     assert issued(home, "2", decision=NO_LIMITS, order=order).state == "issued"
 
 
-def test_equipment_that_had_run_out_blocks_the_issue(home: Home) -> None:
+def test_equipment_that_had_run_out_blocks_the_issue(home):
     laboratory = LABORATORY.model_copy(update={"equipment": (TABLE,)})
     key = draft(home, laboratory=laboratory).certificate.number
     assert "2026-11-19" in refusal(check, key, home, "Li")
 
 
-def test_a_newer_result_of_the_run_blocks_the_issue(home: Home) -> None:
+def test_a_newer_result_of_the_run_blocks_the_issue(home):
     key = draft(home).certificate.number
     check(key, home, "Li")
     run = runs.all_runs(home)[0]
@@ -178,7 +176,7 @@ def test_a_newer_result_of_the_run_blocks_the_issue(home: Home) -> None:
     assert f"which {newer} superseded; certify the run again" in refusal(issue, key, home, "Zhao")
 
 
-def test_a_run_that_was_found_invalid_since_blocks_the_issue(home: Home) -> None:
+def test_a_run_that_was_found_invalid_since_blocks_the_issue(home):
     key = draft(home).certificate.number
     check(key, home, "Li")
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
@@ -186,7 +184,7 @@ def test_a_run_that_was_found_invalid_since_blocks_the_issue(home: Home) -> None
     assert "is invalid (Two clocks); measure again" in refusal(issue, key, home, "Zhao")
 
 
-def test_a_result_with_a_term_beside_the_standard_s_does_not_judge_the_run(home: Home) -> None:
+def test_a_result_with_a_term_beside_the_standard_s_does_not_judge_the_run(home):
     key = draft(home).certificate.number
     check(key, home, "Li")
     wrong = Remark(code="clocks_apart", en="Two clocks.", zh="两个时钟。", run="invalid")
@@ -198,7 +196,7 @@ def test_a_result_with_a_term_beside_the_standard_s_does_not_judge_the_run(home:
     assert issue(key, home, "Zhao").certificate.state == "issued"
 
 
-def test_a_draft_whose_file_was_changed_is_not_issued(home: Home) -> None:
+def test_a_draft_whose_file_was_changed_is_not_issued(home):
     drafted = draft(home)
     key = drafted.certificate.number
     drafted.record.chmod(0o644)
@@ -206,7 +204,7 @@ def test_a_draft_whose_file_was_changed_is_not_issued(home: Home) -> None:
     assert "was changed after it was kept" in refusal(check, key, home, "Li")
 
 
-def test_an_amendment_is_checked_and_issued_and_then_replaces(home: Home) -> None:
+def test_an_amendment_is_checked_and_issued_and_then_replaces(home):
     old = issued(home).certificate
     run = runs.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="the client's address")
@@ -224,7 +222,7 @@ def test_an_amendment_is_checked_and_issued_and_then_replaces(home: Home) -> Non
     assert verify(home)[1] == []
 
 
-def test_an_amendment_takes_over_what_it_does_not_say(home: Home) -> None:
+def test_an_amendment_takes_over_what_it_does_not_say(home):
     order = Order(client=PARTY, received=date(2026, 11, 1), interval_months=6)
     old = issued(home, order=order).certificate
     new = amendment(AmendOrder(certificate=old.number, by="Sun", why="a digit"), home)
@@ -235,7 +233,7 @@ def test_an_amendment_takes_over_what_it_does_not_say(home: Home) -> None:
     assert new.replaces == Replaced(number=old.number, issued_on=old.issued_on, why="a digit")
 
 
-def test_a_draft_that_amends_gives_way_where_what_it_amends_is_withdrawn(home: Home) -> None:
+def test_a_draft_that_amends_gives_way_where_what_it_amends_is_withdrawn(home):
     old = issued(home).certificate
     run = runs.all_runs(home)[0]
     replaced = Replaced(number=old.number, issued_on=old.issued_on, why="an error")
@@ -248,7 +246,7 @@ def test_a_draft_that_amends_gives_way_where_what_it_amends_is_withdrawn(home: H
     assert [entry.supersedes for entry in certificates.register(home)] == [None, None]
 
 
-def test_a_draft_of_an_earlier_version_gives_way_and_is_not_issued(home: Home) -> None:
+def test_a_draft_of_an_earlier_version_gives_way_and_is_not_issued(home):
     key = draft(home).certificate.number
     with database.changing(home) as connection:
         connection.execute(sql.delete(tables.decisions))
@@ -259,7 +257,7 @@ def test_a_draft_of_an_earlier_version_gives_way_and_is_not_issued(home: Home) -
     assert states == {"LAB-1": "withdrawn", key: "draft"}
 
 
-def test_an_issue_that_fails_leaves_everything_as_it_was(home: Home, monkeypatch) -> None:
+def test_an_issue_that_fails_leaves_everything_as_it_was(home, monkeypatch):
     key = draft(home).certificate.number
     check(key, home, "Li")
 
@@ -305,17 +303,17 @@ SUN = person("Sun", "acquire", standards=(MIMU,), until=date(2026, 12, 31))
         (None, "acquire", MIMU, DAY, "nobody is named"),
     ],
 )
-def test_a_person_acts_within_the_authorisation(name, act, standard, day, says) -> None:
+def test_a_person_acts_within_the_authorisation(name, act, standard, day, says):
     why = why_not(with_persons(SUN), name, act, standard, day)
     assert says is why if says is None else why is not None and says in why
 
 
-def test_where_nobody_is_named_everybody_may() -> None:
+def test_where_nobody_is_named_everybody_may():
     assert why_not(LABORATORY, "anybody", "issue", MIMU, DAY) is None
     assert why_not(None, None, "acquire", MIMU, DAY) is None
 
 
-def test_an_acquisition_is_refused_before_it_begins() -> None:
+def test_an_acquisition_is_refused_before_it_begins():
     laboratory = with_persons(person("Wang", "acquire"))
     assert authorised_operator(None, MIMU, laboratory) == "Wang"  # operator of laboratory.toml
     with pytest.raises(Unusable, match=r"Qian is authorised to nothing, not to acquire; .*--by"):
@@ -333,7 +331,7 @@ def persons_of_home(home: Home, *persons: tuple[str, str, date | None]) -> None:
     (home.path / "laboratory.toml").write_text(text, encoding="utf-8")
 
 
-def test_check_and_issue_are_refused_to_whoever_may_not(home: Home) -> None:
+def test_check_and_issue_are_refused_to_whoever_may_not(home):
     key = draft(home).certificate.number
     ended = TODAY - timedelta(days=1)
     persons = (("Sun", "acquire", DAY), ("Li", "check", None), ("Zhao", "issue", None))
@@ -350,7 +348,7 @@ def test_check_and_issue_are_refused_to_whoever_may_not(home: Home) -> None:
     assert "authorised" not in done.model_dump_json()  # not a matter of the client
 
 
-def test_a_measurement_by_whoever_was_not_authorised_on_its_day_is_not_issued(home: Home) -> None:
+def test_a_measurement_by_whoever_was_not_authorised_on_its_day_is_not_issued(home):
     key = draft(home).certificate.number
     before = DAY - timedelta(days=1)
     persons_of_home(home, ("Sun", "acquire", before), ("Li", "check", None), ("Z", "issue", None))

@@ -20,7 +20,7 @@ pytestmark = pytest.mark.real_time
 
 
 @pytest.fixture
-def started(tmp_path: Path) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
+def started(tmp_path) -> Iterator[Callable[..., subprocess.Popen[bytes]]]:
     """Starts a scheduler or a worker, which end with the test."""
     running: list[subprocess.Popen[bytes]] = []
 
@@ -62,8 +62,8 @@ def worker(address: str, folder: Path) -> tuple[str, ...]:
 
 
 def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
-    started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    started, address, tmp_path, monkeypatch
+):
     monkeypatch.setattr(cluster, "ANSWER_S", 60.0)
     first = started(*scheduler(address))
     victim = started(*worker(address, tmp_path / "one"))
@@ -84,8 +84,8 @@ def test_a_killed_worker_and_a_restarted_scheduler_cost_no_result(
 
 @pytest.mark.rehearsal
 def test_a_thing_that_kills_workers_takes_none_of_its_batch_with_it(
-    started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    started, address, tmp_path, monkeypatch
+):
     monkeypatch.setenv("DASK_DISTRIBUTED__SCHEDULER__ALLOWED_FAILURES", "0")
     started(*scheduler(address))
     started(*(part for part in worker(address, tmp_path / "one") if part != "--no-nanny"))
@@ -93,9 +93,7 @@ def test_a_thing_that_kills_workers_takes_none_of_its_batch_with_it(
     assert sorted(done) == sorted([-13, *range(13), *range(14, 100)])
 
 
-def test_a_batch_that_takes_longer_than_expected_is_shared_again(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_batch_that_takes_longer_than_expected_is_shared_again(monkeypatch):
     """A first recording that fails at once says nothing of how long the others take."""
     monkeypatch.setattr(cluster, "BATCH_S", 0.5)
     batches = cluster._Batches(range(100))
@@ -110,14 +108,12 @@ def test_a_batch_that_takes_longer_than_expected_is_shared_again(
     assert next(batches)[0] == batch[len(done)]
 
 
-def test_what_is_no_address_is_a_sentence_at_once() -> None:
+def test_what_is_no_address_is_a_sentence_at_once():
     with pytest.raises(Unusable, match=r"--scheduler nonsense: .*tcp://HOST:PORT"):
         list(on_cluster(squared, [1], "nonsense", squared))
 
 
-def test_a_computer_too_busy_for_a_thread_is_tried_again(
-    address: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_computer_too_busy_for_a_thread_is_tried_again(address, monkeypatch):
     def client(*_: object, **__: object) -> None:
         raise AssertionError
 
@@ -127,7 +123,7 @@ def test_a_computer_too_busy_for_a_thread_is_tried_again(
         list(on_cluster(squared, [1, 2], address, died=squared))
 
 
-def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_scheduler_is_a_sentence(address, monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER_S", 0.5)
     monkeypatch.setattr(cluster, "PATIENCE_S", 0.0)
     began = time.monotonic()
@@ -137,9 +133,7 @@ def test_no_scheduler_is_a_sentence(address: str, monkeypatch: pytest.MonkeyPatc
 
 
 @pytest.mark.rehearsal
-def test_a_worker_with_another_version_is_a_sentence(
-    started, address: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_a_worker_with_another_version_is_a_sentence(started, address, tmp_path, monkeypatch):
     (tmp_path / "tasks").mkdir()
     (tmp_path / "tasks" / "__init__.py").touch()
     (tmp_path / "tasks" / "version.py").write_text("def code_version(): return 'an old one'")
@@ -150,7 +144,7 @@ def test_a_worker_with_another_version_is_a_sentence(
         list(on_cluster(squared, [1, 2, 3], address, died=squared))
 
 
-def test_no_worker_is_a_sentence(started, address: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_no_worker_is_a_sentence(started, address, monkeypatch):
     monkeypatch.setattr(cluster, "ANSWER_S", 60.0)
     monkeypatch.setattr(cluster, "PATIENCE_S", 1.0)
     started(*scheduler(address))

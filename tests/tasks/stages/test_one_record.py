@@ -4,7 +4,6 @@ import json
 from collections.abc import Callable
 from dataclasses import replace
 from datetime import date
-from pathlib import Path
 from typing import Any
 
 import pytest
@@ -65,12 +64,12 @@ ASKED = Inputs(
 
 
 @pytest.fixture(scope="module")
-def recorded(ideal_run: Callable[..., Recording]) -> Recording:
+def recorded(ideal_run) -> Recording:
     return ideal_run()
 
 
 @pytest.fixture
-def kept(recorded: Recording, tmp_path: Path, monkeypatch, validated) -> Callable[..., Given]:
+def kept(recorded, tmp_path, monkeypatch, validated) -> Callable[..., Given]:
     """Keeps a run whose manifest names some standards, and more, and its result."""
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     monkeypatch.setattr(record, "shipped", lambda: validated)
@@ -107,7 +106,7 @@ def refused(given: Given, laboratory: Laboratory, **more: Any) -> str:
     return str(fault.value)
 
 
-def test_the_standards_of_a_certificate_are_those_of_the_run(kept) -> None:
+def test_the_standards_of_a_certificate_are_those_of_the_run(kept):
     certificate = made(kept(standard()), laboratory())
     assert certificate.laboratory is not None
     assert [each.serial for each in certificate.laboratory.equipment] == ["VIRTUAL-T1"]
@@ -127,15 +126,13 @@ def test_the_standards_of_a_certificate_are_those_of_the_run(kept) -> None:
         ),
     ],
 )
-def test_settings_that_contradict_the_run_are_refused_with_both_values(
-    kept, stated: dict[str, Any], both: tuple[str, str]
-) -> None:
+def test_settings_that_contradict_the_run_are_refused_with_both_values(kept, stated, both):
     sentence = refused(kept(standard()), laboratory(standard(**stated)))
     assert [each for each in both if each not in sentence] == []
     assert "laboratory.toml" in sentence
 
 
-def test_a_register_that_contradicts_the_run_is_refused_and_a_renewal_is_none(kept) -> None:
+def test_a_register_that_contradicts_the_run_is_refused_and_a_renewal_is_none(kept):
     given = kept(standard(traceable=False, calibrated_on="2025-01-01"))
     equipment.add([standard(calibrated_on="2025-01-01")], given[1], "Li")
     assert "traceable = false, but the register says true" in refused(given, laboratory())
@@ -146,7 +143,7 @@ def test_a_register_that_contradicts_the_run_is_refused_and_a_renewal_is_none(ke
     assert certificate.laboratory.equipment == (newer,)
 
 
-def test_a_draft_that_lists_other_standards_than_its_run_is_not_issued(kept) -> None:
+def test_a_draft_that_lists_other_standards_than_its_run_is_not_issued(kept):
     """As an earlier version left it: the settings named what the run did not use."""
     run, home = kept(standard(traceable=False))
     manifest, result = runs.load(run, home).manifest, estimate(run, home)
@@ -161,9 +158,7 @@ def test_a_draft_that_lists_other_standards_than_its_run_is_not_issued(kept) -> 
 
 
 @pytest.mark.parametrize("bare", [{"traceable": False}, {"certificate": ""}])
-def test_nothing_passes_is_traceable_or_accredited_through_a_standard_that_is_not(
-    kept, bare: dict[str, Any]
-) -> None:
+def test_nothing_passes_is_traceable_or_accredited_through_a_standard_that_is_not(kept, bare):
     """Whatever limits its file states."""
     second = standard(serial="F-1", name="Fixture", limits={}, accuracy="3″")
     for used in ([standard(**bare)], [standard(), second.model_copy(update=bare)]):
@@ -179,7 +174,7 @@ def test_nothing_passes_is_traceable_or_accredited_through_a_standard_that_is_no
         assert any("outside the accreditation" in say(each, "en") for each in printed.statement)
 
 
-def test_a_simulation_passes_on_virtual_standards_and_says_so_on_every_page(kept) -> None:
+def test_a_simulation_passes_on_virtual_standards_and_says_so_on_every_page(kept):
     virtual = {"traceable": False, "virtual": True}
     given = kept(standard(**virtual))
     certificate = made(given, laboratory(accreditation="CNAS L1234"))
@@ -192,7 +187,7 @@ def test_a_simulation_passes_on_virtual_standards_and_says_so_on_every_page(kept
     assert [f for f in printed.laboratory_fields if f.label.id.endswith("accreditation")] == []
 
 
-def test_nobody_gets_rid_of_what_is_virtual_by_leaving_it_out(kept) -> None:
+def test_nobody_gets_rid_of_what_is_virtual_by_leaving_it_out(kept):
     """Neither in the register nor beside a real standard."""
     run, home = kept(standard(traceable=False, virtual=True))
     renewed = standard(certificate="C-2", calibrated_on="2020-01-01")
@@ -203,7 +198,7 @@ def test_nobody_gets_rid_of_what_is_virtual_by_leaving_it_out(kept) -> None:
     assert made(mixed, laboratory()).decision.verdict == "inconclusive"
 
 
-def test_a_run_as_found_has_its_own_standards(kept) -> None:
+def test_a_run_as_found_has_its_own_standards(kept):
     found = kept(standard(traceable=False), recording_id="before")
     left = kept(standard())
     results = [result_of(*each, laboratory()) for each in (found, left)]
@@ -216,7 +211,7 @@ def test_a_run_as_found_has_its_own_standards(kept) -> None:
         certify(left[0], results[1], left[1], inputs, (found[0], results[0]))
 
 
-def test_the_day_of_the_first_row_counts_where_no_other_is_recorded(kept) -> None:
+def test_the_day_of_the_first_row_counts_where_no_other_is_recorded(kept):
     given = kept(standard(), recorded_at=None, acquired_at="2026-05-02T23:30:00+00:00")
     agreed = ORDER.model_copy(update={"interval_months": 12})
     certificate = made(given, laboratory(), order=agreed)
@@ -228,7 +223,7 @@ def test_the_day_of_the_first_row_counts_where_no_other_is_recorded(kept) -> Non
         made(given, laboratory(), calibrated_on=date(2026, 5, 4))
 
 
-def test_who_measured_is_the_operator_and_not_who_drafted(kept) -> None:
+def test_who_measured_is_the_operator_and_not_who_drafted(kept):
     certificate = made(kept(standard()), laboratory())
     assert say(content(certificate).signatures[0].name, "en") == "Sun"
     sentence = refused_operator(kept(standard(), recording_id="other"))
@@ -260,7 +255,7 @@ def amended(old: Certificate, given: Given, **order: Any) -> Certificate:
     return certify(given[0], result, given[1], new.inputs, None, new.replaces).certificate
 
 
-def test_an_amendment_keeps_verdict_and_limits_and_prints_what_is_different(kept) -> None:
+def test_an_amendment_keeps_verdict_and_limits_and_prints_what_is_different(kept):
     given = kept(standard())
     old = issued(given, laboratory())
     (given[1].path / "tolerances").mkdir()  # limits of the home are others by now
@@ -283,7 +278,7 @@ def test_an_amendment_keeps_verdict_and_limits_and_prints_what_is_different(kept
     assert say(sentence, "en").startswith(f"Changed from certificate {old.number}: ")
 
 
-def test_an_amendment_that_changes_limits_prints_verdict_and_document(kept) -> None:
+def test_an_amendment_that_changes_limits_prints_verdict_and_document(kept):
     given = kept(standard())
     old = issued(given, laboratory())
     tight = TOLERANCE.limits[0].model_copy(update={"lower": 1.5, "upper": 2.0})
@@ -297,7 +292,7 @@ def test_an_amendment_that_changes_limits_prints_verdict_and_document(kept) -> N
     assert ("d", "e") in changed.values()
 
 
-def test_limits_that_an_earlier_record_does_not_hold_are_asked_for(kept) -> None:
+def test_limits_that_an_earlier_record_does_not_hold_are_asked_for(kept):
     run, home = kept(standard())
     manifest, result = runs.load(run, home).manifest, estimate(run, home)
     paper = laboratory(standard())

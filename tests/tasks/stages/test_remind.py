@@ -62,7 +62,7 @@ def mail_server(mailbox: Mailbox, port: int) -> Controller:
 
 
 @pytest.fixture
-def server(mailbox: Mailbox, free_port: int) -> Iterator[int]:
+def server(mailbox, free_port) -> Iterator[int]:
     """The port of a mail server that runs."""
     controller = mail_server(mailbox, free_port)
     yield free_port
@@ -109,8 +109,8 @@ class Outbox:
 
 
 def test_a_mail_server_receives_the_reminder_and_its_entry_is_read_by_another_parser(
-    home: Home, server: int, mailbox: Mailbox
-) -> None:
+    home, server, mailbox
+):
     number = issued(home)
     recall_file(home, mail_to(server))
     assert remind.remind(home, at(-60)) == []
@@ -131,9 +131,7 @@ def test_a_mail_server_receives_the_reminder_and_its_entry_is_read_by_another_pa
     assert number in read.vevent.uid.value
 
 
-def test_a_server_that_is_down_for_an_hour_gets_it_later_and_once(
-    home: Home, mailbox: Mailbox, free_port: int
-) -> None:
+def test_a_server_that_is_down_for_an_hour_gets_it_later_and_once(home, mailbox, free_port):
     issued(home)
     recall_file(home, mail_to(free_port))
     down = [remind.remind(home, at(-30, time(9, minute))) for minute in range(0, 60, 10)]
@@ -151,7 +149,7 @@ def test_a_server_that_is_down_for_an_hour_gets_it_later_and_once(
     assert (kept.fault, kept.tries) == (None, 1 + len([faults for faults in down if faults]))
 
 
-def test_each_occasion_is_sent_once_and_only_the_last_that_has_come(home: Home) -> None:
+def test_each_occasion_is_sent_once_and_only_the_last_that_has_come(home):
     issued(home)
     recall_file(home, mail_to(25))
     outbox = Outbox()
@@ -164,7 +162,7 @@ def test_each_occasion_is_sent_once_and_only_the_last_that_has_come(home: Home) 
     ]  # fmt: skip
 
 
-def test_of_many_at_once_one_sends(home: Home) -> None:
+def test_of_many_at_once_one_sends(home):
     issued(home)
     recall_file(home, mail_to(25))
     outbox, together = Outbox(), threading.Barrier(6)
@@ -181,7 +179,7 @@ def test_of_many_at_once_one_sends(home: Home) -> None:
     assert len(outbox.titles) == 1
 
 
-def test_nothing_is_sent_in_silent_hours_and_it_is_sent_after_them(home: Home) -> None:
+def test_nothing_is_sent_in_silent_hours_and_it_is_sent_after_them(home):
     issued(home)
     silent = '[silent]\nsince = 21:00:00\nuntil = 08:00:00\ntimezone = "Asia/Shanghai"'
     recall_file(home, mail_to(25), silent)
@@ -192,7 +190,7 @@ def test_nothing_is_sent_in_silent_hours_and_it_is_sent_after_them(home: Home) -
     assert len(outbox.titles) == 1
 
 
-def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(home: Home) -> None:
+def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(home):
     draft(home, "1", order=order(), due=DUE)
     issued(home, "3", order(months=None))
     withdraw(issued(home, "4"), home, "Zhao", "wrong unit")
@@ -200,7 +198,7 @@ def test_a_draft_one_without_an_agreed_interval_and_one_withdrawn_are_not_due(ho
     assert [each.certificate for each in remind.due_units(home)] == [number]
 
 
-def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home: Home) -> None:
+def test_the_feed_of_a_client_holds_its_units_and_no_other_ones(home):
     for serial, client in (("1", CLIENT), ("2", CLIENT), ("3", OTHER)):
         issued(home, serial, order(client))
     read = vobject.readOne(remind.feed(home, "Client & Co", at(-100)).decode())
@@ -241,9 +239,9 @@ without_tls = pytest.mark.filterwarnings("ignore:Requiring AUTH while not requir
 @without_tls
 @pytest.mark.parametrize("password", PASSWORDS)
 def test_the_mail_server_gets_a_password_of_any_characters(
-    home: Home, mailbox: Mailbox, free_port: int, password: str, monkeypatch: pytest.MonkeyPatch,
-    capfd: pytest.CaptureFixture[str],
-) -> None:  # fmt: skip
+    home, mailbox, free_port, password, monkeypatch,
+    capfd
+):  # fmt: skip
     issued(home)
     monkeypatch.setenv("MAIL_PASSWORD", password)
     recall_file(home, mail_to(free_port).replace("://", "://lab@example.org:${MAIL_PASSWORD}@"))
@@ -259,8 +257,8 @@ def test_the_mail_server_gets_a_password_of_any_characters(
 
 @without_tls
 def test_a_password_that_no_mail_server_can_be_told_is_a_sentence_without_it(
-    home: Home, mailbox: Mailbox, free_port: int, monkeypatch: pytest.MonkeyPatch
-) -> None:
+    home, mailbox, free_port, monkeypatch
+):
     issued(home)
     monkeypatch.setenv("MAIL_PASSWORD", "密secret")
     recall_file(home, mail_to(free_port).replace("://", "://lab:${MAIL_PASSWORD}@"))
@@ -271,9 +269,7 @@ def test_a_password_that_no_mail_server_can_be_told_is_a_sentence_without_it(
 
 
 @pytest.mark.parametrize("password", ["j%k:l", "n@o/p?q#"])
-def test_a_password_written_as_it_is_becomes_no_host(
-    home: Home, password: str, capfd: pytest.CaptureFixture[str]
-) -> None:
+def test_a_password_written_as_it_is_becomes_no_host(home, password, capfd):
     url = f"mailto://lab:{password}@mail.example.org:25?from=lab@example.org&to=c@example.org"
     whole = remind.sending.check_channel("e-mail", url)
     assert urlsplit(whole).hostname == "mail.example.org"
@@ -285,9 +281,7 @@ def test_a_password_written_as_it_is_becomes_no_host(
     ("url", "says"),
     [("nonsense", "is not an Apprise URL"), ("slack://${NOT_SET}", "NOT_SET.* is not set")],
 )
-def test_a_channel_that_is_none_is_said_before_anything_is_sent(
-    home: Home, url: str, says: str
-) -> None:
+def test_a_channel_that_is_none_is_said_before_anything_is_sent(home, url, says):
     issued(home)
     recall_file(home, url)
     with pytest.raises(Unusable, match=says):
@@ -317,7 +311,7 @@ def issued_interval(
     return issue(key, home, "Zhao").certificate
 
 
-def test_the_verdict_as_found_counts_and_what_was_inconclusive_does_not(home: Home) -> None:
+def test_the_verdict_as_found_counts_and_what_was_inconclusive_does_not(home):
     issued_interval(home, 2018)
     issued_interval(home, 2019)
     issued_interval(home, 2020, UNDECIDED)
@@ -335,14 +329,14 @@ def test_the_verdict_as_found_counts_and_what_was_inconclusive_does_not(home: Ho
     assert "应予缩短" in say(text, "zh")
 
 
-def test_a_young_unit_keeps_its_interval(home: Home) -> None:
+def test_a_young_unit_keeps_its_interval(home):
     issued_interval(home, 2024)
     issued_interval(home, 2025)
     unit, agreed, advice = interval_advice("7", home)
     assert "too few for the reliability method" in say(sentence(unit, agreed, advice), "en")
 
 
-def test_without_an_agreed_date_there_is_nothing_to_advise_on(home: Home) -> None:
+def test_without_an_agreed_date_there_is_nothing_to_advise_on(home):
     issued_interval(home, 2020, due=None)
     with pytest.raises(Unusable, match=r"has no recalibration date .*recalibration_agreed"):
         interval_advice("7", home)

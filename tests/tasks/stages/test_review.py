@@ -29,7 +29,7 @@ def nothing(done: int, total: int) -> None:
     pass
 
 
-def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path: Path) -> None:
+def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path):
     home, folder = Home(tmp_path / "home"), tmp_path / "recordings"
     for seed in (1, 2):
         case = Case(seed=seed, procedure="rests", rate_hz=20, dwell_s=5.0)
@@ -51,7 +51,7 @@ def test_a_folder_is_reviewed_and_its_statistics_are_kept(tmp_path: Path) -> Non
     assert [path.stat().st_mtime_ns for path in kept] == made
 
 
-def test_what_the_selection_leaves_nothing_of_is_said(tmp_path: Path) -> None:
+def test_what_the_selection_leaves_nothing_of_is_said(tmp_path):
     home, folder = Home(tmp_path / "home"), tmp_path / "recordings"
     case = Case(seed=1, procedure="rests", rate_hz=20, dwell_s=5.0)
     write(simulate(case).recording, folder / "1")
@@ -69,9 +69,7 @@ def test_what_the_selection_leaves_nothing_of_is_said(tmp_path: Path) -> None:
 MOVED = Consequence(item="gyro_bias", element="x", before=0.25, after=0.3, U=0.02, unit="deg/s")
 
 
-def test_only_certificates_on_its_runs_are_looked_at(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_only_certificates_on_its_runs_are_looked_at(tmp_path, monkeypatch):
     home = Home(tmp_path)
     draft(home, "1")
     draft(home, "2")
@@ -94,14 +92,14 @@ def test_only_certificates_on_its_runs_are_looked_at(
 # Stage: what cannot be explained together is refused in one sentence.
 
 
-def test_recordings_of_different_units_are_refused(tmp_path: Path) -> None:
+def test_recordings_of_different_units_are_refused(tmp_path):
     home = Home(tmp_path)
     which = [runs.add(recording_of(serial), home)[0] for serial in ("1", "2")]
     with pytest.raises(Unusable, match=r"different units \(Maker U 1, Maker U 2\)"):
         explain_together(which, home, ExplainOrder(run=which[0].id, others=(which[1].id,)))
 
 
-def test_a_recording_named_twice_is_refused(tmp_path: Path) -> None:
+def test_a_recording_named_twice_is_refused(tmp_path):
     home = Home(tmp_path)
     run, _ = runs.add(recording_of("1"), home)
     with pytest.raises(Unusable, match="named twice"):

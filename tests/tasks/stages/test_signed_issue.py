@@ -1,7 +1,6 @@
 """What is issued is signed with the key that the laboratory's file in the home names."""
 
 from datetime import UTC, datetime, timedelta
-from pathlib import Path
 
 import pytest
 
@@ -24,7 +23,7 @@ pkcs12 = "seal.p12"
 
 
 @pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+def home(tmp_path, monkeypatch) -> Home:
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     monkeypatch.setenv("MIMUCAL_SIGNING_PASSPHRASE", PASSPHRASE)
     return Home(tmp_path / "home")
@@ -38,7 +37,7 @@ def checked(home: Home, seal: Keys) -> str:
     return key
 
 
-def test_an_issued_certificate_is_signed(home: Home) -> None:
+def test_an_issued_certificate_is_signed(home):
     seal = keys(elliptic=True, now=datetime.now(UTC))
     done = issue(checked(home, seal), home, "Zhao")
     found = verify_file(done.pdf, [seal.authority_der()])
@@ -47,7 +46,7 @@ def test_an_issued_certificate_is_signed(home: Home) -> None:
     assert b"seal.p12" not in done.record.read_bytes()
 
 
-def test_an_expired_key_issues_nothing_and_no_number_is_lost(home: Home) -> None:
+def test_an_expired_key_issues_nothing_and_no_number_is_lost(home):
     now = datetime.now(UTC)
     key = checked(home, keys(elliptic=True, days=30, now=now - timedelta(days=60)))
     with pytest.raises(Unusable, match="name a key with a valid"):

@@ -21,12 +21,12 @@ def double(number: int) -> int:
     return 2 * number
 
 
-def test_a_stage_keeps_its_function_and_its_documentation() -> None:
+def test_a_stage_keeps_its_function_and_its_documentation():
     assert double(3) == 6
     assert double.__doc__ == "Twice the number."
 
 
-def test_a_stage_that_a_task_calls_is_part_of_that_task(monkeypatch) -> None:
+def test_a_stage_that_a_task_calls_is_part_of_that_task(monkeypatch):
     monkeypatch.setattr(FlowRunContext, "get", classmethod(lambda cls: object()))
     assert module._starts_a_task()
     monkeypatch.setattr(TaskRunContext, "get", classmethod(lambda cls: object()))
@@ -34,7 +34,7 @@ def test_a_stage_that_a_task_calls_is_part_of_that_task(monkeypatch) -> None:
     assert double(3) == 6
 
 
-def test_stages_are_imported_and_called_without_prefect() -> None:
+def test_stages_are_imported_and_called_without_prefect():
     code = (
         "import sys\n"
         "from tasks.stages import acquire, certify, correct, estimate, explain, import_recording\n"
@@ -59,7 +59,7 @@ def _server_ends_after(body: Callable[[int], int]) -> Callable[[int], Any]:
     return by_prefect
 
 
-def test_what_a_function_gave_is_not_lost_with_the_server_that_was_to_hear_of_it() -> None:
+def test_what_a_function_gave_is_not_lost_with_the_server_that_was_to_hear_of_it():
     calls: list[int] = []
 
     def count(number: int) -> int:
@@ -70,11 +70,11 @@ def test_what_a_function_gave_is_not_lost_with_the_server_that_was_to_hear_of_it
     assert calls == [3]
 
 
-def test_a_function_runs_without_a_server_that_ended_before_it_began() -> None:
+def test_a_function_runs_without_a_server_that_ended_before_it_began():
     assert without_loss(lambda number: 2 * number, lambda body: lambda number: _gone())(3) == 6
 
 
-def test_why_a_function_failed_is_not_lost_with_the_server() -> None:
+def test_why_a_function_failed_is_not_lost_with_the_server():
     def refuse(number: int) -> int:
         raise Unusable("the sentence for the bench")
 
@@ -83,7 +83,7 @@ def test_why_a_function_failed_is_not_lost_with_the_server() -> None:
 
 
 @pytest.mark.parametrize("code", [410, 404, 500, 503])
-def test_a_server_that_was_started_anew_and_forgot_the_run_costs_nothing(code: int) -> None:
+def test_a_server_that_was_started_anew_and_forgot_the_run_costs_nothing(code):
     request = Request("POST", "http://127.0.0.1/api/leases")
 
     def forgotten(body: Callable[[int], int]) -> Callable[[int], Any]:

@@ -20,8 +20,7 @@ from tasks.stages.stop import stop_station
 from tasks.station import procedures
 from tasks.station.connected_station import StopSwitch, run_until_stopped
 from tasks.station.virtual.config import VirtualStation
-from tests.tasks.station.in_thread import serving
-from tests.tasks.station.over_sockets import table_and_watchdog
+from tests.tasks.station.over_sockets import serving, table_and_watchdog
 
 pytestmark = pytest.mark.real_time
 SPEED = 10.0
@@ -34,7 +33,7 @@ def station() -> Iterator[StationFile]:
 
 
 @pytest.fixture
-def home(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Home:
+def home(tmp_path, monkeypatch) -> Home:
     """One on the network, in effect: the station has a folder of its own."""
     monkeypatch.delenv("MIMUCAL_DATABASE", raising=False)
     monkeypatch.setenv("MIMUCAL_STATION", str(tmp_path / "side"))
@@ -54,9 +53,7 @@ def turning() -> Procedure:
 
 
 @pytest.fixture
-def acquiring(
-    station: StationFile, home: Home, turning: Procedure
-) -> Iterator[Callable[..., "Future[object]"]]:
+def acquiring(station, home, turning) -> Iterator[Callable[..., "Future[object]"]]:
     """Begins a run in a thread, and waits until its table turns."""
     switch = StopSwitch()
     with ThreadPoolExecutor(1) as pool:

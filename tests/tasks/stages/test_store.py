@@ -9,7 +9,6 @@ from storage.blobs import Unreachable
 from storage.catalogue import runs
 from storage.catalogue.database import Busy
 from storage.formats.mcap.writer import write_mcap
-from storage.home import Home
 from storage.stations import one_run_on
 from tasks.stages import acquire
 from tasks.stages import store as storing
@@ -36,7 +35,7 @@ class Clock:
 
 
 @pytest.fixture
-def recording(fresh: Home, ideal_run) -> Path:
+def recording(fresh, ideal_run) -> Path:
     path = fresh.acquired / "whole.mcap"
     path.parent.mkdir(parents=True)
     write_mcap(ideal_run(), path)
@@ -56,8 +55,8 @@ def away_until(moment_s: float, clock: Clock, fault: Unusable, monkeypatch) -> N
 
 @pytest.mark.parametrize("fault", [Busy("the database is away."), Unreachable("no bucket")])
 def test_it_is_stored_once_the_catalogue_is_back_after_hours(
-    fresh: Home, recording: Path, monkeypatch, capsys, fault: Unusable
-) -> None:
+    fresh, recording, monkeypatch, capsys, fault
+):
     clock = Clock()
     away_until(3 * 3600.0, clock, fault, monkeypatch)
     run = store(recording, fresh, clock, clock.sleep)
@@ -69,8 +68,8 @@ def test_it_is_stored_once_the_catalogue_is_back_after_hours(
 
 
 def test_a_disk_without_room_is_waited_for_and_a_fault_of_the_recording_is_not(
-    fresh: Home, recording: Path, monkeypatch
-) -> None:
+    fresh, recording, monkeypatch
+):
     clock = Clock()
     full = Unusable("no room")
     full.__cause__ = OSError(28, "No space left on device")
@@ -84,8 +83,8 @@ def test_a_disk_without_room_is_waited_for_and_a_fault_of_the_recording_is_not(
 
 
 def test_what_could_not_be_stored_stays_and_the_next_run_or_an_import_stores_it(
-    fresh: Home, recording: Path, monkeypatch
-) -> None:
+    fresh, recording, monkeypatch
+):
     clock = Clock()
     with monkeypatch.context() as patch:
         away_until(2 * PATIENCE_S, clock, Busy("away"), patch)
@@ -101,9 +100,7 @@ def test_what_could_not_be_stored_stays_and_the_next_run_or_an_import_stores_it(
     assert not recording.exists()
 
 
-def test_another_run_of_the_home_may_store_it_meanwhile(
-    fresh: Home, recording: Path, monkeypatch
-) -> None:
+def test_another_run_of_the_home_may_store_it_meanwhile(fresh, recording, monkeypatch):
     clock = Clock()
     away_until(5.0, clock, Busy("away"), monkeypatch)
 
@@ -116,9 +113,7 @@ def test_another_run_of_the_home_may_store_it_meanwhile(
     assert [each.id for each in runs.all_runs(fresh)] == [run.id]
 
 
-def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
-    fresh: Home, monkeypatch
-) -> None:
+def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(fresh, monkeypatch):
     """The catalogue goes away while the table turns, and comes back a minute later."""
     station = InMemoryStation(VirtualStation(unit=draw_unit(7)))
     turned = []
@@ -145,7 +140,7 @@ def test_a_run_is_measured_once_however_long_it_waits_to_be_stored(
 # Nothing turns unless what is measured can be kept.
 
 
-def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh: Home, monkeypatch) -> None:
+def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh, monkeypatch):
     station = InMemoryStation(VirtualStation(unit=draw_unit(7))).file
     monkeypatch.setattr(acquire, "acquire", pytest.fail)
     monkeypatch.setattr(storing, "FREE_BYTES", 1 << 70)
@@ -159,7 +154,7 @@ def test_every_obstacle_is_named_at_once_and_nothing_turns(fresh: Home, monkeypa
     assert not list(fresh.acquiring.glob("*"))
 
 
-def test_a_catalogue_that_only_reads_is_not_ready(fresh: Home) -> None:
+def test_a_catalogue_that_only_reads_is_not_ready(fresh):
     ready_to_acquire("T1", fresh)
     catalogue = fresh.path / "catalog.sqlite"
     catalogue.write_bytes(b"no database at all, and too short for one" * 100)

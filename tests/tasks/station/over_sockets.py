@@ -1,7 +1,11 @@
-"""Runs over sockets on a virtual station in another process, and what such a run leaves behind."""
+"""A virtual station behind sockets, runs over them, and a unit that listens."""
 
 import asyncio
-from collections.abc import Callable
+import socket
+import threading
+from collections.abc import Callable, Iterable, Iterator
+from concurrent.futures import Future
+from contextlib import contextmanager, suppress
 from typing import Any
 
 from schemas.procedure import Procedure
@@ -11,6 +15,9 @@ from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.ports import TableState
 from tasks.station.progress import Progress
+from tasks.station.virtual.config import VirtualStation
+from tasks.station.virtual.faults import StationFault
+from tasks.station.virtual.servers import serve
 
 SPEED = 20.0
 WATCHDOG = 8  # its register
@@ -64,3 +71,61 @@ async def let_the_watchdog_bite(station: StationFile) -> None:
         await asyncio.sleep(0.3)
     finally:
         link.close()
+
+
+# A virtual station behind sockets, served by a thread of this process.
+
+
+@contextmanager
+def serving(
+    config: VirtualStation, speed: float, faults: Iterable[StationFault] = ()
+) -> Iterator[StationFile]:
+    """In the place of `tasks.station.virtual.servers.running`."""
+    started = Future[tuple[StationFile, Callable[[], object]]]()
+
+    def ready(station: StationFile) -> None:
+        loop, task = asyncio.get_running_loop(), asyncio.current_task()
+        assert task is not None
+        started.set_result((station, lambda: loop.call_soon_threadsafe(task.cancel)))
+
+    def work() -> None:
+        try:
+            asyncio.run(serve(config, speed=speed, faults=faults, ready=ready))
+        except asyncio.CancelledError:
+            pass
+        except Exception as error:
+            started.set_exception(error)
+
+    thread = threading.Thread(target=work, daemon=True)
+    thread.start()
+    station, end = started.result()
+    try:
+        yield station
+    finally:
+        end()
+        thread.join()
+
+
+# A unit that is told lines of text, and answers among the frames that it goes on sending.
+
+
+@contextmanager
+def unit(answer: Callable[[bytes], bytes]) -> Iterator[tuple[str, list[bytes]]]:
+    """Its address, and the lines that it was told."""
+    received: list[bytes] = []
+
+    def serve(server: socket.socket) -> None:
+        client, _ = server.accept()
+        with client, suppress(OSError):
+            for line in client.makefile("rb"):
+                received.append(line)
+                client.sendall(b"\xaa\x55frame" + answer(line) + b"\xaa\x55frame")
+
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        thread = threading.Thread(target=serve, args=(server,), daemon=True)
+        thread.start()
+        try:
+            yield f"socket://127.0.0.1:{server.getsockname()[1]}", received
+        finally:  # where nobody connected, an empty connection ends the wait for one
+            socket.create_connection(server.getsockname()).close()
+            thread.join(5.0)

@@ -27,13 +27,13 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import running
 from tests.tasks.station.in_memory import InMemoryStation, spoils_once
-from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
     MEASURED,
     SPEED,
     ignore,
     let_the_watchdog_bite,
     over_sockets,
+    serving,
     table_and_watchdog,
 )
 from tests.tasks.station.short_ahrs import bench, part, run_of, settled
@@ -49,7 +49,7 @@ class Run:
 
 
 @pytest.fixture(scope="module")
-def exact(short: Procedure, new_sink: Any) -> Run:
+def exact(short, new_sink) -> Run:
     """A run on a sound station in simulated time."""
     sink, progress = new_sink(), []
     station = InMemoryStation(VirtualStation())
@@ -58,7 +58,7 @@ def exact(short: Procedure, new_sink: Any) -> Run:
 
 
 @pytest.fixture(scope="module")
-def real(short: Procedure, new_sink: Any) -> Run:
+def real(short, new_sink) -> Run:
     """A run over sockets on a sound station in another process, after one that was killed."""
     sink, progress = new_sink(), []
     with running(VirtualStation(), SPEED) as station:
@@ -68,7 +68,7 @@ def real(short: Procedure, new_sink: Any) -> Run:
 
 
 @pytest.fixture(params=["exact", pytest.param("real", marks=pytest.mark.real_time)])
-def run(request: pytest.FixtureRequest) -> Run:
+def run(request) -> Run:
     return request.getfixturevalue(request.param)
 
 
@@ -96,7 +96,7 @@ def test_labels_cover_the_run_without_holes(run):
         assert t[-1] >= segments[-1].t_end - 0.02
 
 
-def test_a_rest_sets_the_chamber_and_the_unit_warms(short: Procedure, new_sink: Any) -> None:
+def test_a_rest_sets_the_chamber_and_the_unit_warms(short, new_sink):
     sink = new_sink()
     first = short.steps[0].model_copy(update={"dwell_s": 30.0, "chamber_degc": 28.0})
     InMemoryStation(VirtualStation()).acquire(short.model_copy(update={"steps": (first,)}), sink)

@@ -1,7 +1,6 @@
 """The unit that is mounted is the one that is ordered, or nothing turns."""
 
 import socket
-from pathlib import Path
 
 import pytest
 
@@ -19,9 +18,8 @@ from tasks.station.virtual.config import (
     draw_unit,
     virtual_station,
 )
-from tests.tasks.station.in_thread import serving
-from tests.tasks.station.listening_unit import unit as listening
-from tests.tasks.station.over_sockets import over_sockets, table_and_watchdog
+from tests.tasks.station.over_sockets import over_sockets, serving, table_and_watchdog
+from tests.tasks.station.over_sockets import unit as listening
 from tests.tasks.station.sample_stations import rates_link
 
 QUERY = SerialQuery(request="$WHO", answer="$ME,")
@@ -48,22 +46,20 @@ def ask(station: StationFile, line: str) -> str:
 
 
 @pytest.mark.parametrize("end", [b"\r\n", b"*5A\r\n", b",1.2\n"])
-def test_a_unit_that_tells_the_ordered_number_is_confirmed_among_its_frames(end: bytes) -> None:
+def test_a_unit_that_tells_the_ordered_number_is_confirmed_among_its_frames(end):
     with listening(lambda _: b"$ME,A-17 b" + end) as (url, lines):
         assert confirm(unit("A-17 b"), link(url)) == "A-17 b"
         assert lines[0] == b"$WHO\r\n"
 
 
-def test_another_unit_is_refused_with_both_numbers_and_the_way_out() -> None:
+def test_another_unit_is_refused_with_both_numbers_and_the_way_out():
     with listening(lambda _: b"$ME,A18\r\n") as (url, _):
         sentence = "says that it is A18, and the run is ordered for A17: mount A17, or order A18"
         with pytest.raises(Unusable, match=sentence):
             confirm(unit("A17"), link(url))
 
 
-def test_a_unit_that_does_not_answer_is_not_taken_for_the_ordered_one(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_a_unit_that_does_not_answer_is_not_taken_for_the_ordered_one(monkeypatch):
     monkeypatch.setattr(backend, "ANSWER_S", 0.3)
     sentence = "did not tell its serial number: “\\$WHO” was not"
     with (
@@ -73,7 +69,7 @@ def test_a_unit_that_does_not_answer_is_not_taken_for_the_ordered_one(
         confirm(unit("A17"), link(url))
 
 
-def test_nothing_turns_for_another_unit_than_the_one_that_is_mounted(short, kept) -> None:
+def test_nothing_turns_for_another_unit_than_the_one_that_is_mounted(short, kept):
     with serving(VirtualStation(unit=draw_unit(7)), 20.0) as station:
         ordered = station.with_units((station.unit.model_copy(update={"serial": "V99999"}),))
         with pytest.raises(Unusable, match="says that it is V00007, and the run is ordered for"):
@@ -84,7 +80,7 @@ def test_nothing_turns_for_another_unit_than_the_one_that_is_mounted(short, kept
 
 
 @pytest.mark.rehearsal
-def test_the_operator_of_the_virtual_station_mounts_another_unit(short, kept) -> None:
+def test_the_operator_of_the_virtual_station_mounts_another_unit(short, kept):
     with serving(VirtualStation(unit=draw_unit(7)), 20.0) as station:
         assert ask(station, "$SERIAL?") == "$SERIAL,V00007"
         assert ask(station, f"{MOUNT_REQUEST}U-1,x").startswith(REFUSAL)
@@ -98,7 +94,7 @@ def test_the_operator_of_the_virtual_station_mounts_another_unit(short, kept) ->
 
 
 @pytest.mark.rehearsal
-def test_two_virtual_stations_are_two_stations(tmp_path: Path) -> None:
+def test_two_virtual_stations_are_two_stations(tmp_path):
     for ahrs in (False, True):
         made = virtual_station(1, ahrs).model_copy(update={"id": None})
         with serving(made, 20.0) as one, serving(made, 20.0) as other:

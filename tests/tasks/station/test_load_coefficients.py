@@ -10,7 +10,7 @@ from schemas.calibration import Correction
 from schemas.station import StationFile
 from tasks.station import load_coefficients
 from tasks.station.load_coefficients import load_correction
-from tests.tasks.station.listening_unit import unit
+from tests.tasks.station.over_sockets import unit
 from tests.tasks.station.sample_stations import sample
 
 LINES = ("$WRITE,84,{C_g[0][1]:+.6f}", "$WRITE,74,{B_g[2]:+.4f}")

@@ -15,12 +15,12 @@ from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.words import cause_of
 from tests.tasks.station.in_memory import InMemoryStation
-from tests.tasks.station.in_thread import serving
 from tests.tasks.station.over_sockets import (
     MEASURED,
     SPEED,
     let_the_watchdog_bite,
     over_sockets,
+    serving,
     table_and_watchdog,
 )
 
@@ -43,7 +43,7 @@ def in_rehearsal(name: str, others: tuple[str, ...]) -> Any:
 
 
 @pytest.fixture
-def long(short: Procedure) -> Procedure:
+def long(short) -> Procedure:
     """In its rates from 20 s of station time on, and still at 80 s."""
     update = {"rates_deg_s": (-50, 100, -30, 60), "dwell_s": 60.0}
     return short.model_copy(
@@ -73,6 +73,9 @@ def test_fault_stops_the_run_with_its_sentence_and_keeps_what_was_recorded(name,
     kept_until(stop, kept, 20.0)  # 25 s of the station, which began with the run; a flush is 4 s
     assert station.table.has_been_left
     assert "原因见日志" not in cause_of(stop.value).zh  # on the pages it is told, too
+    last = kept.manifests[-1].model_extra["log"][-1]
+    assert last["state"] == "stopped"
+    assert name != "emergency_stop" or "emergency stop" in last["en"]
 
 
 @pytest.mark.real_time

@@ -17,8 +17,7 @@ import pytest
 from schemas.station import StationFile
 from tasks.station.virtual.config import VirtualStation
 from tests.proof.fuzz import KINDS, Kind
-from tests.tasks.station.in_thread import serving
-from tests.tasks.station.over_sockets import MEASURED, SPEED, over_sockets
+from tests.tasks.station.over_sockets import MEASURED, SPEED, over_sockets, serving
 
 pytestmark = pytest.mark.real_time
 RATE_HZ, SLICE_S = 100.0, 0.01

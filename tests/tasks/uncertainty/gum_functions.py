@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from schemas.calibration import Budget
-from tasks.uncertainty.budget import Contribution, InputQuantity, combine, observed
+from tasks.uncertainty.budget import Contribution, InputQuantity, combine
 from tasks.uncertainty.monte_carlo import Interval, numerical_tolerance
 from tasks.uncertainty.propagation import TWO_SIGMA
 
@@ -20,17 +20,15 @@ def combine_function(
     function: Callable[..., float],
     quantities: Sequence[InputQuantity],
     correlation: np.ndarray | None = None,
-    gradient: Callable[..., Sequence[float]] | None = None,
     probability: float = TWO_SIGMA,
 ) -> Budget:
     """The budget of y = f(x₁, …, xₙ), linearised at the estimates (GUM 5.1.2, 5.2.2).
 
-    function: takes n numbers. gradient: takes the same and returns the n partial derivatives;
-    None: they are found by differences. Raises what `combine` raises.
+    function: takes n numbers. Raises what `combine` raises.
     """
     x = np.array([quantity.estimate for quantity in quantities], float)
     u = np.array([quantity.u for quantity in quantities], float)
-    c = sensitivities(function, x, u) if gradient is None else np.asarray(gradient(*x), float)
+    c = sensitivities(function, x, u)
     contributions = [Contribution(q, float(ci)) for q, ci in zip(quantities, c, strict=True)]
     return combine(result, unit, float(function(*x)), contributions, correlation, probability)
 
@@ -54,18 +52,6 @@ def sensitivities(
             values.append(float(function(*moved)))
         slopes[i] = (values[0] - 8.0 * values[1] + 8.0 * values[2] - values[3]) / (12.0 * step)
     return slopes
-
-
-def propagate(jacobian: np.ndarray, covariance: np.ndarray) -> np.ndarray:
-    """Covariance (m, m) of m results from that of n inputs: J·V·Jᵀ, GUM eq. (13), (H.9)."""
-    return jacobian @ covariance @ jacobian.T
-
-
-def repeatability(
-    operator: np.ndarray, covariance: np.ndarray, unit: str, dof: float = math.inf
-) -> Contribution:
-    """The type A line of a result that is a linear operator (n,) on means of this covariance."""
-    return observed(math.sqrt(max(float(operator @ covariance @ operator), 0.0)), unit, dof)
 
 
 @dataclass(frozen=True)

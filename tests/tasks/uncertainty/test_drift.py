@@ -109,7 +109,7 @@ def scores(process: Process, runs: int = RUNS) -> tuple[np.ndarray, np.ndarray]:
 
 
 @pytest.mark.parametrize("process", [nothing, weak_flicker, random_walk, trend, warming_up])
-def test_a_bias_lies_within_its_stated_uncertainty(process: Process) -> None:
+def test_a_bias_lies_within_its_stated_uncertainty(process):
     bias, _ = scores(process)
     if process in (trend, warming_up):
         # What so quiet an accelerometer gains while it lies flat hides under the tilt of each face,
@@ -120,12 +120,12 @@ def test_a_bias_lies_within_its_stated_uncertainty(process: Process) -> None:
     assert np.sqrt(np.mean(bias**2)) > 0.4  # nor is it stated at random
 
 
-def test_biases_of_units_of_which_half_walk_lie_within_their_stated_uncertainty() -> None:
+def test_biases_of_units_of_which_half_walk_lie_within_their_stated_uncertainty():
     bias = np.concatenate([scores(process)[0] for process in (nothing, random_walk)])
     assert 0.93 <= np.mean(np.abs(bias) < 2.0) <= 0.98
 
 
-def test_what_each_rate_point_is_tilted_for_itself_is_not_taken_for_drift() -> None:
+def test_what_each_rate_point_is_tilted_for_itself_is_not_taken_for_drift():
     held, rng = labels(), np.random.default_rng(5)
     blocks = rng.normal(0.0, np.sqrt(WHITE / TAU), (6, len(held) * (BLOCKS + GAP)))
     tilted = blocks.copy()
@@ -145,14 +145,14 @@ def test_what_each_rate_point_is_tilted_for_itself_is_not_taken_for_drift() -> N
 
 
 @pytest.mark.parametrize("process", [nothing, weak_flicker, random_walk, trend])
-def test_a_slope_over_rate_points_scatters_as_stated(process: Process) -> None:
+def test_a_slope_over_rate_points_scatters_as_stated(process):
     _, slope = scores(process)
     # A strong walk between few points is not quite seen: nine in ten.
     assert np.mean(np.abs(slope) < 2.0) >= (0.88 if process is random_walk else 0.92)
     assert 0.6 < np.sqrt(np.mean(slope**2)) < 1.25
 
 
-def test_what_the_inputs_give_is_not_drift() -> None:
+def test_what_the_inputs_give_is_not_drift():
     """Rates, gravity, tilt and an uneven line about the own axis are far above the noise."""
     held = labels()
     rng = np.random.default_rng(1)
@@ -174,7 +174,7 @@ def test_what_the_inputs_give_is_not_drift() -> None:
     assert np.allclose(fit_noise(segments_of(blocks, held)).drift, plain, rtol=1e-3, atol=1e-20)
 
 
-def test_a_wrong_label_is_no_drift_where_the_rate_is_known() -> None:
+def test_a_wrong_label_is_no_drift_where_the_rate_is_known():
     held = labels()
     rng = np.random.default_rng(2)
     blocks = rng.normal(0.0, np.sqrt(WHITE / TAU), (6, len(held) * (BLOCKS + GAP)))
@@ -189,7 +189,7 @@ def test_a_wrong_label_is_no_drift_where_the_rate_is_known() -> None:
     assert np.allclose(known.drift, fit_noise(segments).drift)
 
 
-def test_a_random_walk_is_counted_about_the_mean_of_the_run() -> None:
+def test_a_random_walk_is_counted_about_the_mean_of_the_run():
     segments = segments_of(np.zeros((6, 48 * (BLOCKS + GAP))), labels())
     rng = np.random.default_rng(0)
     walk = np.cumsum(rng.normal(0.0, np.sqrt(TAU), (4000, 48 * (BLOCKS + GAP) - GAP)), axis=1)
@@ -200,7 +200,7 @@ def test_a_random_walk_is_counted_about_the_mean_of_the_run() -> None:
     assert covariance[0, -1] == pytest.approx(np.mean(first * last), rel=0.15)
 
 
-def test_a_segment_of_one_row_spoils_no_other() -> None:
+def test_a_segment_of_one_row_spoils_no_other():
     held = labels()
     rng = np.random.default_rng(3)
     segments = segments_of(rng.normal(0.0, 1e-3, (6, len(held) * (BLOCKS + GAP))), held)

@@ -35,7 +35,7 @@ def additive(us: list[float], distribution: Distribution) -> tuple[MonteCarlo, V
     return found, validate(budget, found.symmetric, digits=2)
 
 
-def test_jcgm_101_9_2_2_sum_of_four_normals() -> None:
+def test_jcgm_101_9_2_2_sum_of_four_normals():
     found, gum = additive([1.0] * 4, "normal")
     assert found.u == pytest.approx(2.00, abs=0.005)
     assert found.symmetric.low == pytest.approx(-3.92, abs=0.005)
@@ -44,7 +44,7 @@ def test_jcgm_101_9_2_2_sum_of_four_normals() -> None:
     assert gum.valid
 
 
-def test_jcgm_101_9_2_3_sum_of_four_rectangulars() -> None:
+def test_jcgm_101_9_2_3_sum_of_four_rectangulars():
     found, gum = additive([1.0] * 4, "rectangular")
     assert found.u == pytest.approx(2.00, abs=0.005)
     assert found.symmetric.low == pytest.approx(-3.88, abs=0.006)
@@ -53,7 +53,7 @@ def test_jcgm_101_9_2_3_sum_of_four_rectangulars() -> None:
     assert gum.valid
 
 
-def test_jcgm_101_9_2_4_one_rectangular_ten_times_wider_is_not_validated() -> None:
+def test_jcgm_101_9_2_4_one_rectangular_ten_times_wider_is_not_validated():
     found, gum = additive([1.0, 1.0, 1.0, 10.0], "rectangular")
     assert found.u == pytest.approx(10.1, abs=0.051)
     assert found.symmetric.low == pytest.approx(-17.0, abs=0.05)
@@ -63,7 +63,7 @@ def test_jcgm_101_9_2_4_one_rectangular_ten_times_wider_is_not_validated() -> No
     assert not gum.valid
 
 
-def test_jcgm_101_9_3_mass_calibration_finds_what_the_first_order_misses() -> None:
+def test_jcgm_101_9_3_mass_calibration_finds_what_the_first_order_misses():
     inputs = [  # mg and kg/m³
         quantity("m", 0.050, estimate=100_000.000),
         quantity("δm", 0.020, estimate=1.234),
@@ -93,7 +93,7 @@ def test_jcgm_101_9_3_mass_calibration_finds_what_the_first_order_misses() -> No
     assert gum.d_low == pytest.approx(0.0451, abs=0.005)
 
 
-def test_the_same_seed_gives_the_same_result_and_another_does_not() -> None:
+def test_the_same_seed_gives_the_same_result_and_another_does_not():
     inputs = [quantity("a", 1.0), quantity("b", 0.5, "arcsine")]
     first, again = (monte_carlo(added, inputs, seed=7) for _ in range(2))
     assert first == again
@@ -109,9 +109,7 @@ def test_the_same_seed_gives_the_same_result_and_another_does_not() -> None:
         ("arcsine", math.sin(0.95 * math.pi / 2) * math.sqrt(2)),
     ],
 )
-def test_each_distribution_has_its_standard_uncertainty_and_its_shape(
-    distribution: Distribution, half: float
-) -> None:
+def test_each_distribution_has_its_standard_uncertainty_and_its_shape(distribution, half):
     found = monte_carlo(
         added, [quantity("a", 2.0, distribution, 5.0)], seed=3, probability=0.95, digits=2
     )
@@ -120,7 +118,7 @@ def test_each_distribution_has_its_standard_uncertainty_and_its_shape(
     assert (found.symmetric.high - found.symmetric.low) / 2 == pytest.approx(2 * half, abs=0.08)
 
 
-def test_a_t_input_has_the_interval_of_student() -> None:
+def test_a_t_input_has_the_interval_of_student():
     found = monte_carlo(
         added, [quantity("a", 1.0, "t", dof=10)], seed=3, probability=0.95, digits=2
     )
@@ -128,20 +126,20 @@ def test_a_t_input_has_the_interval_of_student() -> None:
     assert found.u == pytest.approx(math.sqrt(10 / 8), abs=0.05)
 
 
-def test_correlated_normals_are_drawn_jointly() -> None:
+def test_correlated_normals_are_drawn_jointly():
     inputs = [quantity("a", 1.0), quantity("b", 1.0), quantity("c", 0.1, "rectangular")]
     r = np.array([[1.0, -0.9, 0.0], [-0.9, 1.0, 0.0], [0.0, 0.0, 1.0]])
     found = monte_carlo(added, inputs, r, seed=2)
     assert found.u == pytest.approx(math.sqrt(0.2 + 0.01), abs=0.01)
 
 
-def test_correlated_inputs_that_are_not_normal_are_refused() -> None:
+def test_correlated_inputs_that_are_not_normal_are_refused():
     inputs = [quantity("a", 1.0), quantity("b", 1.0, "rectangular")]
     with pytest.raises(Unusable, match="only normal inputs"):
         monte_carlo(added, inputs, np.array([[1.0, 0.5], [0.5, 1.0]]), seed=1)
 
 
-def test_a_model_that_is_not_defined_where_inputs_reach_is_refused() -> None:
+def test_a_model_that_is_not_defined_where_inputs_reach_is_refused():
     def root(a: np.ndarray) -> np.ndarray:
         with np.errstate(invalid="ignore"):
             return np.sqrt(a)
@@ -154,11 +152,11 @@ def test_a_model_that_is_not_defined_where_inputs_reach_is_refused() -> None:
     ("u", "digits", "delta"),  # JCGM 101, 7.9.2, examples 1 and 2 among them
     [(0.00035, 2, 0.000005), (2.0, 1, 0.5), (0.0996, 2, 0.005), (0.0754, 1, 0.005), (0.0, 2, 0.0)],
 )
-def test_numerical_tolerance(u: float, digits: int, delta: float) -> None:
+def test_numerical_tolerance(u, digits, delta):
     assert numerical_tolerance(u, digits) == pytest.approx(delta)
 
 
-def test_a_budget_takes_over_the_monte_carlo_interval() -> None:
+def test_a_budget_takes_over_the_monte_carlo_interval():
     inputs = [quantity("a", 1.0, "rectangular", 3.0)]
     budget = combine_function("y", "1", lambda a: a, inputs)
     found = monte_carlo(added, inputs, seed=5)

@@ -23,34 +23,34 @@ def drawn(scale: float, units: int) -> list:
     ]
 
 
-def test_errors_as_large_as_stated_are_covered() -> None:
+def test_errors_as_large_as_stated_are_covered():
     found = summarise(drawn(1.0, 2000))["item"]
     assert found.rms_z == pytest.approx(1.0, abs=0.05)
     assert (found.units, found.elements) == (2000, 6000)
     assert coverage_check(found).passed
 
 
-def test_intervals_that_are_too_short_are_no_evidence() -> None:
+def test_intervals_that_are_too_short_are_no_evidence():
     assert not coverage_check(summarise(drawn(1.3, 2000))["item"]).passed
 
 
-def test_intervals_that_are_too_long_are_said_to_be() -> None:
+def test_intervals_that_are_too_long_are_said_to_be():
     check = coverage_check(summarise(drawn(0.7, 2000))["item"])
     assert check.passed
     assert "larger than necessary" in check.en
 
 
-def test_a_few_units_are_no_evidence() -> None:
+def test_a_few_units_are_no_evidence():
     assert not coverage_check(summarise(drawn(1.0, 1999))["item"]).passed
 
 
-def test_wilson_interval_is_the_published_one() -> None:
+def test_wilson_interval_is_the_published_one():
     # Newcombe, Statist. Med. 17, 1998, table I: 81 of 263 gives 0.2553 to 0.3662.
     assert interval_of_share(81 / 263, 263) == pytest.approx((0.2553, 0.3662), abs=5e-5)
     assert interval_of_share(0.0, 20) == pytest.approx((0.0, 0.1611), abs=5e-5)
 
 
-def test_a_study_counts_every_unit_of_every_method(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_study_counts_every_unit_of_every_method(monkeypatch):
     monkeypatch.setattr(os, "cpu_count", lambda: 1)  # a second process would import all again
     reports = []
     found = study(METHODS, 2, 1, lambda done, total: reports.append((done, total)))
@@ -62,7 +62,7 @@ def test_a_study_counts_every_unit_of_every_method(monkeypatch: pytest.MonkeyPat
     assert found["jjf2003"]["gyro_g_sensitivity"].elements == 18
 
 
-def test_a_method_that_states_too_little_is_found_out() -> None:
+def test_a_method_that_states_too_little_is_found_out():
     recording, truth = simulate("jjf2003", 3)
     calibration: Calibration = items_only(JJF2003, recording)
     item = calibration.items["gyro_cross_coupling"]

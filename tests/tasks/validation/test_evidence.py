@@ -15,19 +15,19 @@ METHODS = {name: partial(items_only, spec) for name, spec in SPECIFICATIONS.item
 
 
 @pytest.mark.parametrize("item", EXAMPLES)
-def test_every_worked_example_comes_out(item: str) -> None:
+def test_every_worked_example_comes_out(item):
     assert example_check(item).passed
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_an_ideal_run_gives_the_truth_back(method: str) -> None:
+def test_an_ideal_run_gives_the_truth_back(method):
     checks = recovery_checks(method, METHODS[method], seed=2)
     assert checks
     assert all(check.passed for check in checks.values()), checks
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_other_programs_find_the_same(method: str) -> None:
+def test_other_programs_find_the_same(method):
     checks = independent_checks(method, METHODS[method], seed=2)
     assert checks
     assert all(check.passed for check in checks.values()), checks
@@ -49,13 +49,13 @@ def wrong_by(method: str, part: float):
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_wrong_value_is_noticed(method: str) -> None:
+def test_a_wrong_value_is_noticed(method):
     recovered = recovery_checks(method, wrong_by(method, 1e-4), seed=2)
     still = "gyro_g_sensitivity_without_earth_rotation"  # another field of its item
     assert {name for name, check in recovered.items() if check.passed} <= {still}
 
 
-def test_a_budget_that_does_not_add_up_is_noticed() -> None:
+def test_a_budget_that_does_not_add_up_is_noticed():
     def wrong(*args, **more):
         calibration = items_only(JJF2003, *args, **more)
         item = calibration.items["gyro_bias"]
@@ -67,7 +67,7 @@ def test_a_budget_that_does_not_add_up_is_noticed() -> None:
     assert not checks["gyro_bias"].passed
 
 
-def test_the_joint_fit_written_anew_gives_the_truth_of_an_ideal_run_back() -> None:
+def test_the_joint_fit_written_anew_gives_the_truth_of_an_ideal_run_back():
     recording, truth = simulate("joint", 4, ideal=True)
     for name, elements in plain_joint(recording).items():
         assert elements == pytest.approx({e: truth[name][e] for e in elements}, abs=1e-9), name

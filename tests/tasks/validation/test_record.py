@@ -32,7 +32,7 @@ METHODS = ("jjf2003", "joint", "jjf1536")
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_the_shipped_record_is_of_this_code(method: str) -> None:
+def test_the_shipped_record_is_of_this_code(method):
     record = shipped()
     assert record is not None
     assert record.methods[method].fingerprint == fingerprint(method), (
@@ -41,7 +41,7 @@ def test_the_shipped_record_is_of_this_code(method: str) -> None:
     )
 
 
-def test_a_fingerprint_covers_what_the_numbers_come_from() -> None:
+def test_a_fingerprint_covers_what_the_numbers_come_from():
     names = {path.name for path in sources("jjf2003")}
     assert {"positions.py", "turning.py", "type_a.py", "summarise.py", "unit_model.py"} <= names
     assert "solution.py" not in names
@@ -56,18 +56,18 @@ PLAIN = "def f(x):\n    return 2 * x\n"
     "# Why.\n\n" + PLAIN,
     'def f(x):\n    """Twice."""\n    return (2*x)',
 ])  # fmt: skip
-def test_what_is_said_about_the_code_is_not_in_its_fingerprint(declared: str) -> None:
+def test_what_is_said_about_the_code_is_not_in_its_fingerprint(declared):
     assert read_source(declared).code == read_source(PLAIN).code
 
 
-def test_a_sentence_that_numbers_are_put_into_is_not_in_the_fingerprint() -> None:
+def test_a_sentence_that_numbers_are_put_into_is_not_in_the_fingerprint():
     line = 'why = message("dwell-short", seconds=f"{t:.1f}")'
     assert (
         read_source(line).code == read_source('why = message("dwell-too-short", time=str(t))').code
     )
 
 
-def test_what_the_code_computes_is_in_its_fingerprint() -> None:
+def test_what_the_code_computes_is_in_its_fingerprint():
     assert read_source(PLAIN.replace("2", "3")).code != read_source(PLAIN).code
     assert read_source('TEXT = "about"').code != read_source('TEXT = "of"').code
 
@@ -94,7 +94,7 @@ def record_of(calibration, print_: str, failed: str = "", missing: str = "") -> 
     )
 
 
-def test_a_record_that_fits_leaves_no_doubt(calibration) -> None:
+def test_a_record_that_fits_leaves_no_doubt(calibration):
     record = record_of(calibration, fingerprint("jjf2003"))
     assert doubts_of(record, calibration) == {}
     assert "9 of 9 items" in say(named(record, calibration), "en")
@@ -103,7 +103,7 @@ def test_a_record_that_fits_leaves_no_doubt(calibration) -> None:
     assert "0.1.0" not in say(named(record, calibration), "en")
 
 
-def test_without_a_record_every_item_is_doubted_for_this_version(calibration) -> None:
+def test_without_a_record_every_item_is_doubted_for_this_version(calibration):
     doubts = doubts_of(None, calibration)
     assert set(doubts) == set(calibration.items)
     assert all(
@@ -111,7 +111,7 @@ def test_without_a_record_every_item_is_doubted_for_this_version(calibration) ->
     )
 
 
-def test_a_record_of_other_code_counts_as_none(calibration) -> None:
+def test_a_record_of_other_code_counts_as_none(calibration):
     record = record_of(calibration, "0" * 16)
     assert doubts_of(record, calibration).keys() == calibration.items.keys()
     assert say(named(record, calibration), "en").startswith("No validation record")
@@ -119,7 +119,7 @@ def test_a_record_of_other_code_counts_as_none(calibration) -> None:
 
 def test_a_record_made_by_this_very_program_is_taken_without_parsing_its_source(
     calibration, monkeypatch
-) -> None:
+):
     record = record_of(calibration, fingerprint("jjf2003"))
     made_here = record.model_copy(update={"code_version": code_version()})
     monkeypatch.setattr("tasks.validation.record.fingerprint", pytest.fail)
@@ -128,7 +128,7 @@ def test_a_record_made_by_this_very_program_is_taken_without_parsing_its_source(
 
 def test_a_record_of_the_same_text_of_a_methods_source_is_taken_without_parsing_it(
     calibration, monkeypatch
-) -> None:
+):
     record = record_of(calibration, fingerprint("jjf2003"))
     names = names_of("jjf2003")
     kept = {"sources": names, "text": text_digest(names)}
@@ -142,7 +142,7 @@ def test_a_record_of_the_same_text_of_a_methods_source_is_taken_without_parsing_
 
 def test_every_letter_of_a_source_and_every_file_is_in_the_hash_of_their_text(
     tmp_path, monkeypatch
-) -> None:
+):
     monkeypatch.setattr("tasks.validation.fingerprint.ROOT", tmp_path)
     (tmp_path / "a.py").write_text("x = 1  # one\n")
     (tmp_path / "b.py").write_text("")
@@ -153,7 +153,7 @@ def test_every_letter_of_a_source_and_every_file_is_in_the_hash_of_their_text(
 
 
 @pytest.mark.parametrize("how", ["failed", "missing"])
-def test_one_item_that_failed_or_is_missing_is_doubted_alone(calibration, how: str) -> None:
+def test_one_item_that_failed_or_is_missing_is_doubted_alone(calibration, how):
     record = record_of(calibration, fingerprint("jjf2003"), **{how: "gyro_bias"})
     assert set(doubts_of(record, calibration)) == {"gyro_bias"}
     assert "8 of 9" in say(named(record, calibration), "en")
@@ -174,7 +174,7 @@ def hidden(calibration) -> ValidationRecord:
     return record
 
 
-def test_an_element_that_the_average_hides_is_doubted(calibration, hidden) -> None:
+def test_an_element_that_the_average_hides_is_doubted(calibration, hidden):
     (doubt,) = doubts_of(hidden, calibration).values()
     assert doubt.elements == {"xz"}  # yz is covered too often, which is no fault
     assert "xz (91.1 %)" in say(doubt.sentence, "en")
@@ -184,9 +184,7 @@ def test_an_element_that_the_average_hides_is_doubted(calibration, hidden) -> No
     assert '<td>xz</td><td class="number">91.1 %</td>' in validation_html(hidden)
 
 
-def test_an_element_that_is_not_validated_gets_no_pass_and_the_others_do(
-    calibration, hidden
-) -> None:
+def test_an_element_that_is_not_validated_gets_no_pass_and_the_others_do(calibration, hidden):
     limit = Limit(item="gyro_cross_coupling", unit="1", magnitude=1.0)
     tolerance = Tolerance(manufacturer="m", model="m", document="d", limits=(limit,))
     made = decide(calibration, tolerance, doubts_of=doubts_of(hidden, calibration))
@@ -199,19 +197,19 @@ def test_an_element_that_is_not_validated_gets_no_pass_and_the_others_do(
     assert not any("not validated" in reason for reason in about.reasons)
 
 
-def test_a_record_survives_being_written_and_read(calibration) -> None:
+def test_a_record_survives_being_written_and_read(calibration):
     record = record_of(calibration, "0" * 16)
     assert ValidationRecord.model_validate_json(record.model_dump_json()) == record
 
 
-def test_the_page_shows_every_item_and_what_is_open(calibration) -> None:
+def test_the_page_shows_every_item_and_what_is_open(calibration):
     text = validation_html(record_of(calibration, "0" * 16, failed="gyro_bias"))
     assert all(name in text for name in calibration.items)
     assert "8 of 9 items are validated" in text
     assert "http" not in text
 
 
-def test_scenarios_stand_on_the_page_and_a_certificate_names_those_of_its_run(calibration) -> None:
+def test_scenarios_stand_on_the_page_and_a_certificate_names_those_of_its_run(calibration):
     cover = Coverage(
         units=200, elements=600, inside_95=0.944, confidence=(0.93, 0.96), inside_expanded=0.96,
         rms_z=1.03, by_element={"x": 0.944},

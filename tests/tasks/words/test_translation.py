@@ -106,7 +106,7 @@ def sentences() -> Iterator[str]:
                 rendered.add(lines)
 
 
-def test_each_message_says_with_its_arguments_what_is_kept() -> None:
+def test_each_message_says_with_its_arguments_what_is_kept():
     now = "\n".join(sentences()) + "\n"
     if os.environ.get("SENTENCES") == "renew":
         SENTENCES.write_text(now, encoding="utf-8")
@@ -125,7 +125,7 @@ def shape(entry: ast.Message) -> dict[str, set[str]]:
     return found
 
 
-def test_every_language_has_the_same_messages_in_the_same_files_with_the_same_arguments() -> None:
+def test_every_language_has_the_same_messages_in_the_same_files_with_the_same_arguments():
     by_language = {
         language: {(file, entry.id.name): shape(entry) for file, entry in entries(language)}
         for language in LANGUAGES
@@ -136,9 +136,7 @@ def test_every_language_has_the_same_messages_in_the_same_files_with_the_same_ar
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_every_catalogue_is_understood_and_each_message_is_found_where_it_stands(
-    language: str,
-) -> None:
+def test_every_catalogue_is_understood_and_each_message_is_found_where_it_stands(language):
     """Every message, in every file, and none holds what is no message."""
     for path in (WORDS / language).glob("*.ftl"):
         body = parse(path.read_text(encoding="utf-8")).body
@@ -149,7 +147,7 @@ def test_every_catalogue_is_understood_and_each_message_is_found_where_it_stands
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_a_message_refers_only_to_messages_of_its_own_file(language: str) -> None:
+def test_a_message_refers_only_to_messages_of_its_own_file(language):
     stood = list(entries(language))
     here = {(file, entry.id.name) for file, entry in stood}
     for file, entry in stood:
@@ -158,7 +156,7 @@ def test_a_message_refers_only_to_messages_of_its_own_file(language: str) -> Non
         assert {(file, name) for name in visitor.names} <= here, entry.id.name
 
 
-def test_saying_a_message_parses_it_alone_of_its_own_catalogue_file() -> None:
+def test_saying_a_message_parses_it_alone_of_its_own_catalogue_file():
     _catalogue_file.cache_clear()
     _rendered.cache_clear()
     say(message("clause-sequence", first="a", rest="b"), "en")
@@ -169,37 +167,37 @@ def test_saying_a_message_parses_it_alone_of_its_own_catalogue_file() -> None:
     assert len(left) > 5
 
 
-def test_languages_are_the_folders() -> None:
+def test_languages_are_the_folders():
     assert LANGUAGES == ("en", "zh")
 
 
-def test_a_list_is_said_with_the_separator_of_its_language() -> None:
+def test_a_list_is_said_with_the_separator_of_its_language():
     listed = Message("list-separator")
     assert texts(listed) == {"en": ", ", "zh": "、"}
 
 
-def test_a_text_of_any_length_fits_into_a_sentence() -> None:
+def test_a_text_of_any_length_fits_into_a_sentence():
     long = "x" * 9000
     assert say(message("clause-sequence", first=long, rest="y"), "en") == f"{long}; y"
 
 
-def test_text_is_the_same_in_every_language() -> None:
+def test_text_is_the_same_in_every_language():
     assert texts("gyro_x") == {"en": "gyro_x", "zh": "gyro_x"}
 
 
-def test_a_statement_that_is_published_already_is_said_as_it_stands() -> None:
+def test_a_statement_that_is_published_already_is_said_as_it_stands():
     title = Statement(en="a tilted base", zh="基座倾斜")
     assert texts(title) == {"en": "a tilted base", "zh": "基座倾斜"}
     assert statement(title) == title
 
 
-def test_a_message_that_no_catalogue_has_is_an_error() -> None:
+def test_a_message_that_no_catalogue_has_is_an_error():
     assert not known("no-such-message")
     with pytest.raises(KeyError, match="no-such-message"):
         say(message("no-such-message"), "en")
 
 
-def test_the_chinese_name_of_p_is_that_of_the_specification() -> None:
+def test_the_chinese_name_of_p_is_that_of_the_specification():
     """3.4 of JJF 2003: 加速度计角速度灵敏系数."""
     written = "".join(path.read_text(encoding="utf-8") for path in (WORDS / "zh").glob("*.ftl"))
     assert "加速度计角速度灵敏系数" in written
@@ -209,16 +207,14 @@ def test_the_chinese_name_of_p_is_that_of_the_specification() -> None:
 
 @pytest.mark.parametrize("language", LANGUAGES)
 @pytest.mark.parametrize("file", ["certificate", "conformity", "validation", "run_validity"])
-def test_what_a_certificate_prints_names_no_command_and_no_file_of_the_program(
-    language: str, file: str
-) -> None:
+def test_what_a_certificate_prints_names_no_command_and_no_file_of_the_program(language, file):
     written = (WORDS / language / f"{file}.ftl").read_text(encoding="utf-8")
     assert not [line for line in written.splitlines() if "`" in line or ".toml" in line]
     assert "mimucal" not in written
 
 
 @pytest.mark.parametrize("language", LANGUAGES)
-def test_messages_without_placeables_read_as_the_parser_has_them(language: str) -> None:
+def test_messages_without_placeables_read_as_the_parser_has_them(language):
     plain = 0
     for name, entry in entries(language):
         catalogue = _catalogue_file(language, name)

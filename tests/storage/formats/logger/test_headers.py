@@ -72,7 +72,7 @@ def read(
 
 
 @pytest.mark.parametrize("name", HEADERS)
-def test_a_header_is_understood(tmp_path: Path, name: str) -> None:
+def test_a_header_is_understood(tmp_path, name):
     header, columns, encoding, units, unit = HEADERS[name]
     imu = read(tmp_path / "log.csv", header, columns, encoding, **units).recording.imu
     np.testing.assert_allclose(imu.t - imu.t[0], T, atol=1e-6)
@@ -81,13 +81,13 @@ def test_a_header_is_understood(tmp_path: Path, name: str) -> None:
         np.testing.assert_allclose(imu.columns[f"accel_{axis}"], G * FORCE[:, k], atol=1e-6)
 
 
-def test_two_units_in_one_table_are_asked_for(tmp_path: Path) -> None:
+def test_two_units_in_one_table_are_asked_for(tmp_path):
     header = ",".join(["t", *(f"imu{n}_gyro_{a}" for n in (0, 1) for a in "xyz"), "ax", "ay", "az"])
     with pytest.raises(Unusable, match="imu0_gyro_x or imu1_gyro_x: which are they"):
         read(tmp_path / "log.csv", header, (T, *W3, *W3, *A3))
 
 
-def test_rows_without_a_time_need_their_rate(tmp_path: Path) -> None:
+def test_rows_without_a_time_need_their_rate(tmp_path):
     columns = (*A3, *W3)
     with pytest.raises(Unusable, match="t=100Hz"):
         read(tmp_path / "log.csv", "ax,ay,az,gx,gy,gz", columns, gyro="dps")
@@ -103,7 +103,7 @@ Datum/Zeit;Gyr X [°/s];Gyr Y [°/s];Gyr Z [°/s];Acc X [{0}];Acc Y [{0}];Acc Z 
 """
 
 
-def test_a_time_is_known_by_its_form_whatever_its_column_is_called(tmp_path: Path) -> None:
+def test_a_time_is_known_by_its_form_whatever_its_column_is_called(tmp_path):
     log = tmp_path / "log.csv"
     log.write_text(GERMAN.format("g", "1,00"), encoding="utf-8")
     understood = read_log(log, None, {}, Changes())
@@ -118,8 +118,8 @@ def test_a_time_is_known_by_its_form_whatever_its_column_is_called(tmp_path: Pat
     [("g", "1,00", 9.80665, "biases in m/s² may"), ("m/s²", "9,81", None, "are not determined")],
 )
 def test_local_gravity_is_assumed_only_where_a_ratio_to_it_does_not_depend_on_it(
-    tmp_path: Path, unit: str, read: str, known: float | None, note: str
-) -> None:
+    tmp_path, unit, read, known, note
+):
     log = tmp_path / "log.csv"
     log.write_text(GERMAN.format(unit, read), encoding="utf-8")
     understood = read_log(log, None, {}, Changes())

@@ -34,7 +34,7 @@ def block(*messages: bytes) -> np.ndarray:
 
 @pytest.mark.parametrize("order", ["<", ">"])
 @pytest.mark.parametrize("frame", [b"", b"imu", b"imu_link"])
-def test_message_put_together_by_hand_is_decoded(order: str, frame: bytes) -> None:
+def test_message_put_together_by_hand_is_decoded(order, frame):
     message = temperature_by_hand(order, -3, frame, 21.5)
     ((rows, numbers, texts),) = decode(TEMPERATURE, block(message, message))
     assert rows.tolist() == [0, 1]
@@ -43,13 +43,13 @@ def test_message_put_together_by_hand_is_decoded(order: str, frame: bytes) -> No
     assert texts == {"frame_id": (frame.decode(),)}
 
 
-def test_encoded_message_is_the_one_put_together_by_hand() -> None:
+def test_encoded_message_is_the_one_put_together_by_hand():
     numbers = {"sec": [[7]], "nanosec": [[5]], "temperature": [[21.5]], "variance": [[0.25]]}
     made = encode(TEMPERATURE, {n: np.array(v) for n, v in numbers.items()}, {"frame_id": ("imu",)})
     assert made[0].tobytes() == temperature_by_hand("<", 7, b"imu", 21.5)
 
 
-def test_messages_of_one_length_but_other_layouts_are_told_apart() -> None:
+def test_messages_of_one_length_but_other_layouts_are_told_apart():
     little = temperature_by_hand("<", 1, b"a", 1.0)
     big = temperature_by_hand(">", 2, b"b", 2.0)
     found = list(decode(TEMPERATURE, block(little, big, little)))
@@ -58,13 +58,13 @@ def test_messages_of_one_length_but_other_layouts_are_told_apart() -> None:
 
 
 @pytest.mark.parametrize("length", [0, 3, 10, 20, 30])
-def test_message_that_ends_early_is_malformed(length: int) -> None:
+def test_message_that_ends_early_is_malformed(length):
     message = temperature_by_hand("<", 1, b"imu", 1.0)[:length]
     with pytest.raises(MalformedError):
         list(decode(TEMPERATURE, np.frombuffer(message, dtype=np.uint8)[None, :]))
 
 
-def test_encapsulation_that_is_not_plain_cdr_is_malformed() -> None:
+def test_encapsulation_that_is_not_plain_cdr_is_malformed():
     message = b"\0\7" + temperature_by_hand("<", 1, b"imu", 1.0)[2:]
     with pytest.raises(MalformedError, match="encapsulation 0007"):
         list(decode(TEMPERATURE, block(message)))
@@ -73,7 +73,7 @@ def test_encapsulation_that_is_not_plain_cdr_is_malformed() -> None:
 @given(
     arrays(np.float64, (4, 3), elements=FINITE), st.text(max_size=9).filter(lambda s: "\0" not in s)
 )
-def test_imu_values_come_back_bit_for_bit(values: np.ndarray, frame: str) -> None:
+def test_imu_values_come_back_bit_for_bit(values, frame):
     made = encode(IMU, {"angular_velocity": values}, {"frame_id": (frame,)})
     ((_, numbers, texts),) = decode(IMU, made)
     assert numbers["angular_velocity"].tobytes() == values.tobytes()
@@ -82,7 +82,7 @@ def test_imu_values_come_back_bit_for_bit(values: np.ndarray, frame: str) -> Non
 
 
 @pytest.mark.parametrize("with_velocity", [True, False])
-def test_joint_names_and_sequences_come_back(with_velocity: bool) -> None:
+def test_joint_names_and_sequences_come_back(with_velocity):
     position = np.arange(6.0).reshape(2, 3)
     numbers = {"position": position} | ({"velocity": -position} if with_velocity else {})
     names = ("outer", "middle axis", "z")
@@ -93,7 +93,7 @@ def test_joint_names_and_sequences_come_back(with_velocity: bool) -> None:
     assert ("velocity" in back.dtype.names) is with_velocity
 
 
-def test_schema_text_brings_every_type_it_uses_once() -> None:
+def test_schema_text_brings_every_type_it_uses_once():
     text = schema_text(IMU)
     used = [line for line in text.splitlines() if line.startswith("MSG: ")]
     assert sorted(used) == [

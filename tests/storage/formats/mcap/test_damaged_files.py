@@ -18,14 +18,14 @@ FOLDER = "data/real/vn200_57630_six_position"
 
 
 @pytest.fixture
-def long_file(tmp_path: Path) -> Path:
+def long_file(tmp_path) -> Path:
     """Eight minutes, so that there are several chunks of each topic."""
     write_mcap(read_folder(shared_path(FOLDER)), tmp_path / "long.mcap")
     return tmp_path / "long.mcap"
 
 
 @pytest.mark.parametrize("share", [0.4, 0.7, 0.95])
-def test_file_that_is_cut_off_gives_what_is_whole(long_file: Path, share: float) -> None:
+def test_file_that_is_cut_off_gives_what_is_whole(long_file, share):
     whole = read_mcap(long_file)
     data = long_file.read_bytes()
     long_file.write_bytes(data[: int(share * len(data))])
@@ -40,7 +40,7 @@ def test_file_that_is_cut_off_gives_what_is_whole(long_file: Path, share: float)
         assert (values == whole.imu.columns[column][rows]).all()
 
 
-def test_flipped_byte_is_found_wherever_it_is_and_the_rest_is_saved(long_file: Path) -> None:
+def test_flipped_byte_is_found_wherever_it_is_and_the_rest_is_saved(long_file):
     data = long_file.read_bytes()
     with long_file.open("rb") as file:
         summary = make_reader(file).get_summary()
@@ -54,14 +54,14 @@ def test_flipped_byte_is_found_wherever_it_is_and_the_rest_is_saved(long_file: P
         assert len(read_mcap(long_file, salvage=True).imu) > 4_000
 
 
-def test_changed_manifest_is_found(long_file: Path) -> None:
+def test_changed_manifest_is_found(long_file):
     data = long_file.read_bytes()
     long_file.write_bytes(data.replace(b'"serial":"0100057630"', b'"serial":"0100057631"', 1))
     with pytest.raises(Unusable, match="damaged"):
         read_mcap(long_file)
 
 
-def test_last_manifest_that_is_whole_is_taken(long_file: Path) -> None:
+def test_last_manifest_that_is_whole_is_taken(long_file):
     data = long_file.read_bytes()
     long_file.write_bytes(data.replace(b'{"format":"mimu', b'("format":"mimu', 1))
     with pytest.raises(Unusable, match="damaged"):
@@ -72,7 +72,7 @@ def test_last_manifest_that_is_whole_is_taken(long_file: Path) -> None:
 
 
 @pytest.mark.parametrize("content", [b"", b"not MCAP at all", b"\x89MCAP0\r\n"])
-def test_file_without_any_message_is_refused(content: bytes, tmp_path: Path) -> None:
+def test_file_without_any_message_is_refused(content, tmp_path):
     path = tmp_path / "raw.mcap"
     path.write_bytes(content)
     for salvage in (False, True):
@@ -81,14 +81,14 @@ def test_file_without_any_message_is_refused(content: bytes, tmp_path: Path) -> 
         assert "\n" not in str(refusal.value)
 
 
-def test_file_that_is_cut_off_before_its_first_chunk_says_the_way_out(long_file: Path) -> None:
+def test_file_that_is_cut_off_before_its_first_chunk_says_the_way_out(long_file):
     content = long_file.read_bytes()
     long_file.write_bytes(content[:60])
     for salvage in (False, True):
         assert "copy it again" in refusal_of(long_file, salvage)
 
 
-def test_missing_file_and_folder_are_refused(tmp_path: Path) -> None:
+def test_missing_file_and_folder_are_refused(tmp_path):
     for path in (tmp_path, tmp_path / "nowhere.mcap"):
         with pytest.raises(Unusable, match=str(path)):
             read_mcap(path)
@@ -104,7 +104,7 @@ def refusal_of(path: Path, salvage: bool) -> str:
 
 
 @pytest.fixture(scope="module")
-def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
+def content(tmp_path_factory) -> bytes:
     path = tmp_path_factory.mktemp("whole") / "raw.mcap"
     write_mcap(read_folder(shared_path(FOLDER)), path)
     return path.read_bytes()
@@ -112,9 +112,7 @@ def content(tmp_path_factory: pytest.TempPathFactory) -> bytes:
 
 @settings(max_examples=60, deadline=None)
 @given(st.data())
-def test_no_damage_ends_in_a_traceback(
-    content: bytes, tmp_path_factory: pytest.TempPathFactory, data: st.DataObject
-) -> None:
+def test_no_damage_ends_in_a_traceback(content, tmp_path_factory, data):
     path = tmp_path_factory.mktemp("damage") / "raw.mcap"
     damaged = bytearray(content)
     for _ in range(data.draw(st.integers(1, 4))):

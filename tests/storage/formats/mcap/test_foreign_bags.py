@@ -1,16 +1,22 @@
-"""ROS 2 bags of others: what they say is read, what they leave open is not guessed."""
+"""ROS 2 bags of others, and the kinds of files that bags come in."""
 
+import sqlite3
 from pathlib import Path
 
 import numpy as np
 import pytest
+import zstandard
 from mcap.writer import CompressionType, Writer
 
 from schemas.base import Unusable
 from schemas.recording import Station
+from storage.formats import recordings
 from storage.formats.mcap.messages import IMU, JOINTS, TEMPERATURE, encode, schema_text
 from storage.formats.mcap.reader import read_mcap
 from tests.manifests import manifest_of
+from tests.shared import shared_path
+
+# ROS 2 bags of others: what they say is read, what they leave open is not guessed.
 
 EPOCH = 1_700_000_000_123_456_789  # ns
 
@@ -47,13 +53,13 @@ class Bag:
 
 
 @pytest.fixture
-def bag(tmp_path: Path) -> Bag:
+def bag(tmp_path) -> Bag:
     return Bag(tmp_path / "drive.mcap", CompressionType.ZSTD, chunked=True)
 
 
 @pytest.mark.parametrize("compression", list(CompressionType))
 @pytest.mark.parametrize("chunked", [True, False])
-def test_bag_of_others_is_read(compression: CompressionType, chunked: bool, tmp_path: Path) -> None:
+def test_bag_of_others_is_read(compression, chunked, tmp_path):
     bag = Bag(tmp_path / "drive.mcap", compression, chunked)
     for k in range(200):
         stamp = EPOCH + 10_000_001 * k
@@ -69,7 +75,7 @@ def test_bag_of_others_is_read(compression: CompressionType, chunked: bool, tmp_
     assert made.station == Station(id="unknown")
 
 
-def test_given_manifest_names_the_joints_that_are_table_axes(bag: Bag) -> None:
+def test_given_manifest_names_the_joints_that_are_table_axes(bag):
     for k in range(9):
         bag.imu(EPOCH + 1000 * k, 1.0)
         bag.add("/joints", JOINTS, EPOCH + 1000 * k + 7, name=["z", "outer"], position=[9.0, k])
@@ -79,7 +85,7 @@ def test_given_manifest_names_the_joints_that_are_table_axes(bag: Bag) -> None:
     assert table.t[0] == 7e-9
 
 
-def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag: Bag) -> None:
+def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag):
     for k in range(9):
         bag.imu(EPOCH + 1000 * k, 1.0)
         bag.add("/warm", TEMPERATURE, EPOCH + 1000 * k, temperature=[20.0 + k])
@@ -89,40 +95,109 @@ def test_temperature_at_the_stamps_of_the_imu_is_the_units_own(bag: Bag) -> None
     assert back.extra["left_out"] == ("/room",)
 
 
-def test_messages_are_put_in_the_order_of_their_stamps(bag: Bag) -> None:
+def test_messages_are_put_in_the_order_of_their_stamps(bag):
     for k in (3, 1, 2, 0):
         bag.imu(EPOCH + k * 10**9, float(k))
     assert read_mcap(bag.close()).imu.columns["gyro_x"].tolist() == [0, 1, 2, 3]
 
 
-def test_bag_that_counts_from_zero_keeps_its_time(bag: Bag) -> None:
+def test_bag_that_counts_from_zero_keeps_its_time(bag):
     bag.imu(20_000_000, 1.0)
     bag.imu(30_000_000, 1.0)
     assert read_mcap(bag.close()).imu.t.tolist() == [0.02, 0.03]
 
 
-def test_messages_with_one_stamp_are_refused(bag: Bag) -> None:
+def test_messages_with_one_stamp_are_refused(bag):
     for _ in range(2):
         bag.imu(EPOCH, 1.0)
     with pytest.raises(Unusable, match=r"/imu.*1700000000\.123456789"):
         read_mcap(bag.close())
 
 
-def test_two_imu_topics_are_refused_by_name(bag: Bag) -> None:
+def test_two_imu_topics_are_refused_by_name(bag):
     bag.imu(EPOCH, 1.0, "/left")
     bag.imu(EPOCH, 1.0, "/right")
     with pytest.raises(Unusable, match="/left, /right"):
         read_mcap(bag.close())
 
 
-def test_bag_without_imu_is_refused_with_what_it_has(bag: Bag) -> None:
+def test_bag_without_imu_is_refused_with_what_it_has(bag):
     bag.add("/warm", TEMPERATURE, EPOCH, temperature=[20.0])
     with pytest.raises(Unusable, match=r"/warm \(sensor_msgs/msg/Temperature\)"):
         read_mcap(bag.close())
 
 
-def test_value_that_is_no_number_is_refused_with_its_row(bag: Bag) -> None:
+def test_value_that_is_no_number_is_refused_with_its_row(bag):
     for k in range(3):
         bag.imu(EPOCH + k, np.inf if k == 1 else 1.0)
     with pytest.raises(Unusable, match=r"column gyro_x, row 2: the value is inf"):
         read_mcap(bag.close())
+
+
+# Bags as ROS 2 keeps them: split, in SQLite, compressed, with stamps that were never set.
+
+NANO = 1_000_000_000
+
+
+def database(path: Path, rows: int, *, packed: bool = False) -> None:
+    """A bag as rosbag2_storage_sqlite3 lays it out, with 100 messages a second."""
+    stamps = 1_700_000_000 * NANO + np.arange(rows) * NANO // 100
+    numbers = {
+        "sec": stamps[:, None] // NANO, "nanosec": stamps[:, None] % NANO,
+        "angular_velocity": np.arange(3.0 * rows).reshape(rows, 3),
+        "linear_acceleration": np.full((rows, 3), 9.8),
+    }  # fmt: skip
+    block = encode(IMU, numbers, {"frame_id": ("imu",)})
+    pack = zstandard.ZstdCompressor().compress if packed else bytes
+    with sqlite3.connect(path) as store:
+        store.execute("CREATE TABLE topics(id INTEGER PRIMARY KEY, name TEXT, type TEXT, "
+                      "serialization_format TEXT, offered_qos_profiles TEXT)")  # fmt: skip
+        store.execute("CREATE TABLE messages(id INTEGER PRIMARY KEY, topic_id INTEGER, "
+                      "timestamp INTEGER, data BLOB)")  # fmt: skip
+        store.execute("INSERT INTO topics VALUES(1, '/imu', 'sensor_msgs/msg/Imu', 'cdr', '')")
+        store.executemany(
+            "INSERT INTO messages(topic_id, timestamp, data) VALUES(1, ?, ?)",
+            [(int(t), pack(row.tobytes())) for t, row in zip(stamps, block, strict=True)],
+        )
+    store.close()
+
+
+@pytest.mark.parametrize("packed", [False, True])
+def test_a_database_is_read_with_messages_packed_or_not(tmp_path, packed):
+    database(tmp_path / "bag_0.db3", 300, packed=packed)
+    imu = recordings.read(tmp_path / "bag_0.db3").imu
+    np.testing.assert_allclose(imu.t, np.arange(300) / 100)
+    np.testing.assert_allclose(imu.columns["gyro_y"], 3.0 * np.arange(300) + 1.0)
+
+
+def test_a_database_without_a_bags_tables_is_one_sentence(tmp_path):
+    with sqlite3.connect(tmp_path / "other.db3") as store:
+        store.execute("CREATE TABLE notes(id INTEGER)")
+    store.close()
+    with pytest.raises(Unusable, match="ros2 bag convert"):
+        recordings.read(tmp_path / "other.db3")
+
+
+def test_a_bag_that_lacks_a_part_names_it(tmp_path):
+    database(tmp_path / "bag_0.db3", 10)
+    (tmp_path / "metadata.yaml").write_text(
+        "rosbag2_bagfile_information:\n  relative_file_paths: [bag_0.db3, bag_1.db3]\n"
+    )
+    with pytest.raises(Unusable, match=r"bag_1\.db3, which is not there"):
+        recordings.read(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("name", "rows"), [("split", 6000), ("sqlite3", 2000), ("file_zstd", 2000)]
+)
+def test_bags_from_the_field_are_one_run(name, rows):
+    imu = recordings.read(shared_path(f"data/field/bags/{name}")).imu
+    assert len(imu) == rows
+    np.testing.assert_allclose(np.diff(imu.t), 0.01, atol=1e-6)
+
+
+def test_stamps_that_were_never_set_are_named_and_the_times_of_recording_offered():
+    bag = shared_path("data/field/bags/stamps_never_set.mcap")
+    with pytest.raises(Unusable, match=r"never set.*--stamps log"):
+        recordings.read(bag)
+    assert len(recordings.read(bag, by_log_time=True).imu) == 3000

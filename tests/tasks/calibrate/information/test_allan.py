@@ -39,7 +39,7 @@ def flicker(rng: np.random.Generator, h: float, count: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("size", "deviation"), [(1, 91.22945), (2, 85.95287)])
-def test_the_nine_points_of_nist_sp_1065(size: int, deviation: float) -> None:
+def test_the_nine_points_of_nist_sp_1065(size, deviation):
     found = np.sqrt(overlapping_variances(np.array([NBS14]), [size])[0, 0])
     assert found == pytest.approx(deviation, abs=5e-6)
 
@@ -47,12 +47,12 @@ def test_the_nine_points_of_nist_sp_1065(size: int, deviation: float) -> None:
 @pytest.mark.parametrize(
     ("size", "deviation"), [(1, 2.922319e-1), (10, 9.159953e-2), (100, 3.241343e-2)]
 )
-def test_the_thousand_points_of_nist_sp_1065(size: int, deviation: float) -> None:
+def test_the_thousand_points_of_nist_sp_1065(size, deviation):
     found = np.sqrt(overlapping_variances(sp1065_thousand_points()[None], [size])[0, 0])
     assert found == pytest.approx(deviation, rel=2e-7)
 
 
-def test_allantools_gives_the_same_overlapping_deviations() -> None:
+def test_allantools_gives_the_same_overlapping_deviations():
     readings = np.random.default_rng(3).normal(size=(2, 5000)).cumsum(axis=1) + 7.0
     curve = allan_curve([readings], 1.0 / RATE_HZ)
     for channel in range(2):
@@ -66,7 +66,7 @@ def test_allantools_gives_the_same_overlapping_deviations() -> None:
 
 
 @pytest.mark.parametrize("size", [1, 2, 16, 256])
-def test_allantools_gives_the_same_degrees_of_freedom(size: int) -> None:
+def test_allantools_gives_the_same_degrees_of_freedom(size):
     points = 3001
     assert white_dof(points - 1, size) == pytest.approx(
         allantools.edf_simple(points, size, alpha=0), rel=1e-12
@@ -77,7 +77,7 @@ def test_allantools_gives_the_same_degrees_of_freedom(size: int) -> None:
         )
 
 
-def test_rests_count_by_their_length() -> None:
+def test_rests_count_by_their_length():
     rng = np.random.default_rng(5)
     short, long = rng.normal(size=(1, 300)), rng.normal(size=(1, 900))
     curve = allan_curve([short, long], 0.01)
@@ -85,7 +85,7 @@ def test_rests_count_by_their_length() -> None:
     assert curve.variance[2] == pytest.approx(expected[0])
 
 
-def test_white_noise_is_recovered_beside_flicker_walk_and_angle_noise() -> None:
+def test_white_noise_is_recovered_beside_flicker_walk_and_angle_noise():
     rng = np.random.default_rng(11)
     density, z = 2e-3, []
     for _ in range(60):
@@ -102,7 +102,7 @@ def test_white_noise_is_recovered_beside_flicker_walk_and_angle_noise() -> None:
     assert abs(np.mean(z)) < 0.6
 
 
-def test_a_low_pass_does_not_hide_the_white_noise() -> None:
+def test_a_low_pass_does_not_hide_the_white_noise():
     rng = np.random.default_rng(13)
     density = 1e-3
     readings = white(rng, density, 40000)
@@ -116,11 +116,11 @@ def test_a_low_pass_does_not_hide_the_white_noise() -> None:
     assert np.sqrt(found.density) == pytest.approx(density, rel=0.04)
 
 
-def test_where_a_random_walk_alone_rules_no_white_noise_is_claimed() -> None:
+def test_where_a_random_walk_alone_rules_no_white_noise_is_claimed():
     walk = np.random.default_rng(17).normal(size=400_000).cumsum()
     readings = walk.reshape(1, -1, 20).mean(axis=2)
     assert white_noise(allan_curve([readings], 0.01), 0) is None
 
 
-def test_rests_of_three_rows_have_no_curve() -> None:
+def test_rests_of_three_rows_have_no_curve():
     assert len(allan_curve([np.ones((3, 3))], 0.01).tau) == 0

@@ -45,7 +45,7 @@ def known(plant) -> Callable[[str], Known]:
     return build
 
 
-def test_ramps_tell_the_lever_arm_from_the_rate_sensitivity(known, shared) -> None:
+def test_ramps_tell_the_lever_arm_from_the_rate_sensitivity(known, shared):
     _, evidence, items = known("plant_lever_arm")
     found = lever_arm_information(evidence, items)
     arm, separated = found["lever_arm"], found[SEPARATED]
@@ -61,14 +61,14 @@ def test_ramps_tell_the_lever_arm_from_the_rate_sensitivity(known, shared) -> No
     assert "type B contributions of the equipment" in arm.en
 
 
-def test_without_a_budget_of_the_rate_sensitivity_there_is_no_uncertainty(known) -> None:
+def test_without_a_budget_of_the_rate_sensitivity_there_is_no_uncertainty(known):
     found = lever_arm_information(known("plant_lever_arm")[1], {})
     assert set(found["lever_arm"].U.values()) == {None}
     assert "No U stated" in found["lever_arm"].en
     assert SEPARATED not in found  # the specification has no such item
 
 
-def test_without_a_lever_arm_there_is_none(known, shared) -> None:
+def test_without_a_lever_arm_there_is_none(known, shared):
     _, evidence, items = known("plant_clean")
     found = lever_arm_information(evidence, items)
     arm, separated = found["lever_arm"], found[SEPARATED]
@@ -77,7 +77,7 @@ def test_without_a_lever_arm_there_is_none(known, shared) -> None:
         assert abs(separated.value[element] - true) < 2 * separated.u[element]
 
 
-def test_a_spike_in_a_ramp_is_left_out(known) -> None:
+def test_a_spike_in_a_ramp_is_left_out(known):
     recording, evidence, items = known("plant_lever_arm")
     ramp = next(s for s in recording.manifest.segments if s.name == "ramp027")
     rows = recording.imu.rows(ramp.t_start, ramp.t_end)
@@ -94,12 +94,12 @@ def test_a_spike_in_a_ramp_is_left_out(known) -> None:
 
 
 @pytest.mark.parametrize("name", ["vn200_imu0_rate_table", "encoder_mpu6050_pitch_slow"])
-def test_without_encoders_or_ramps_nothing_is_said(real, name: str) -> None:
+def test_without_encoders_or_ramps_nothing_is_said(real, name):
     recording: Recording = real(name)
     assert lever_arm_information(gather(recording), {}) == {}
 
 
-def test_an_unknown_gravity_says_nothing(known) -> None:
+def test_an_unknown_gravity_says_nothing(known):
     recording, evidence, _ = known("plant_lever_arm")
     station = recording.manifest.station.model_copy(update={"gravity_m_s2": None})
     manifest = recording.manifest.model_copy(update={"station": station})

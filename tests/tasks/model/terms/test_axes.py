@@ -34,7 +34,7 @@ def added(term: Term, values: list[float], between: dict) -> tuple[np.ndarray, n
     )
 
 
-def test_a_base_out_of_level_turns_all_about_east_and_north() -> None:
+def test_a_base_out_of_level_turns_all_about_east_and_north():
     east, north = 2e-4, -1e-4
     term, real = added(AXIS_TILT, [east, north], {-1: east * EAST + north * NORTH})
     assert term == pytest.approx(real, abs=1e-6)
@@ -42,14 +42,14 @@ def test_a_base_out_of_level_turns_all_about_east_and_north() -> None:
     assert not term[:, :3].any()
 
 
-def test_without_a_heading_the_tilt_is_about_the_tables_own_axes() -> None:
+def test_without_a_heading_the_tilt_is_about_the_tables_own_axes():
     turn = 2e-4 * EAST - 1e-4 * NORTH
     term = read((AXIS_TILT,), [2e-4, -1e-4], BLIND) - read((), [], BLIND)
     real = felt(attitude(between={-1: HEADED[0] @ turn})) - undisturbed()
     assert term[INSIDE, 3:] == pytest.approx(real[INSIDE, 3:], abs=1e-6)
 
 
-def test_axes_out_of_square_turn_about_their_common_normal() -> None:
+def test_axes_out_of_square_turn_about_their_common_normal():
     first, second = 2e-4, -3e-4
     normals = np.cross(DIRECTIONS[:-1], DIRECTIONS[1:])
     term, real = added(
@@ -61,7 +61,7 @@ def test_axes_out_of_square_turn_about_their_common_normal() -> None:
 
 
 @pytest.mark.parametrize("m", [1, 2])
-def test_an_axis_that_wobbles_leans_with_its_angle(m: int) -> None:
+def test_an_axis_that_wobbles_leans_with_its_angle(m):
     values = 1e-4 * np.array([1.0, -2.0, 0.5, 1.5])  # East sine, cosine; North sine, cosine
     phase = m * ANGLES[:, :1]
     waves = np.hstack([np.sin(phase), np.cos(phase)])
@@ -71,14 +71,14 @@ def test_an_axis_that_wobbles_leans_with_its_angle(m: int) -> None:
     assert np.abs(term).max(axis=0).min() > 1e-5
 
 
-def test_only_an_upright_first_axis_is_said_to_wobble() -> None:
+def test_only_an_upright_first_axis_is_said_to_wobble():
     run = motion()
     lying = replace(run, up=np.cross(run.north, run.up), north=run.north)
     assert "axis_wobble" in {term.name for term in candidates(recording(), run)}
     assert "axis_wobble" not in {term.name for term in candidates(recording(), lying)}
 
 
-def test_parallel_axes_have_no_angle_between_them() -> None:
+def test_parallel_axes_have_no_angle_between_them():
     run = motion()
     assert run.axes is not None
     twice = run.axes.directions.copy()

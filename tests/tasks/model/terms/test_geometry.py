@@ -32,26 +32,26 @@ def force_at(place: np.ndarray) -> np.ndarray:
     return np.einsum("nji,nj->ni", whole, push)
 
 
-def test_a_lever_arm_is_the_acceleration_of_its_end() -> None:
+def test_a_lever_arm_is_the_acceleration_of_its_end():
     r = np.array([0.05, -0.02, 0.11])
     added = read((LEVER_ARM,), r) - read((), [])
     assert added[INSIDE, 3:] == pytest.approx(force_at(r)[INSIDE], abs=1e-4)
     assert not added[:, :3].any()
 
 
-def test_each_accelerometer_at_its_own_place() -> None:
+def test_each_accelerometer_at_its_own_place():
     places = np.array([[0.05, -0.02, 0.11], [0.01, 0.04, -0.03], [-0.06, 0.02, 0.07]])
     added = read((SIZE_EFFECT,), places.ravel()) - read((), [])
     expected = np.column_stack([force_at(place)[:, i] for i, place in enumerate(places)])
     assert added[INSIDE, 3:] == pytest.approx(expected[INSIDE], abs=1e-4)
 
 
-def test_all_accelerometers_at_one_place_are_a_lever_arm() -> None:
+def test_all_accelerometers_at_one_place_are_a_lever_arm():
     r = np.array([0.05, -0.02, 0.11])
     assert read((SIZE_EFFECT,), np.tile(r, 3)) == pytest.approx(read((LEVER_ARM,), r), abs=1e-12)
 
 
-def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together() -> None:
+def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together():
     xy, xz, yx, yz, zx, zy = values = 1e-5 * np.array([2.0, -1.0, 3.0, 1.5, -2.5, 1.0])
     x, y, z = motion().rate.T ** 2
     bend = np.column_stack([xy * y + xz * z, yx * x + yz * z, zx * x + zy * y])
@@ -61,7 +61,7 @@ def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together() -> None:
     assert np.abs(added[INSIDE, :3]).max() > 1e-5
 
 
-def test_a_fixture_that_sags_turns_with_the_attitude() -> None:
+def test_a_fixture_that_sags_turns_with_the_attitude():
     matrix = 1e-6 * np.array([[1.0, -2.0, 3.0], [0.5, 4.0, -1.0], [2.0, 1.0, -3.0]])
     added = read((SAG,), matrix.ravel()) - read((), [])
     force = 9.80665 * motion().up
@@ -70,7 +70,7 @@ def test_a_fixture_that_sags_turns_with_the_attitude() -> None:
     assert np.abs(added[INSIDE, :3]).max() > 1e-5
 
 
-def test_each_fixing_but_the_first_has_a_turn_of_its_own() -> None:
+def test_each_fixing_but_the_first_has_a_turn_of_its_own():
     fixing = motion().recorded["fixing"]
     assert sorted(set(fixing)) == [0.0, 1.0, 2.0]
     second, third = 1e-4 * np.array([1.0, -2.0, 3.0]), 1e-4 * np.array([-2.0, 1.0, 0.5])

@@ -13,7 +13,7 @@ RUN = motion()
 EVERY = [term for term in candidates(recording(), RUN) if isinstance(term, SensorTerm)]
 
 
-def test_each_gyro_has_a_memory_of_its_own_axis() -> None:
+def test_each_gyro_has_a_memory_of_its_own_axis():
     sizes = [1e-3, 2e-3, -3e-3]
     change = read((hysteresis(0.3),), sizes) - read((), [])
     step = np.diff(T, prepend=0.0)
@@ -23,7 +23,7 @@ def test_each_gyro_has_a_memory_of_its_own_axis() -> None:
 
 
 @pytest.mark.parametrize("term", EVERY, ids=lambda term: term.equation)
-def test_a_memory_is_no_line_of_what_is_felt_and_is_known_everywhere(term: SensorTerm) -> None:
+def test_a_memory_is_no_line_of_what_is_felt_and_is_known_everywhere(term):
     unknown = np.where((T > 5) & (T < 6), np.nan, RUN.rate.T).T
     up = np.where((T > 5) & (T < 6), np.nan, RUN.up.T).T
     columns = term.columns(replace(RUN, rate=unknown, up=up), None)  # type: ignore[arg-type]
@@ -38,5 +38,5 @@ def test_a_memory_is_no_line_of_what_is_felt_and_is_known_everywhere(term: Senso
         assert left.std() > 0.02 * state.std()
 
 
-def test_what_never_turned_remembers_nothing() -> None:
+def test_what_never_turned_remembers_nothing():
     assert candidates(recording(), replace(RUN, rate=np.zeros_like(RUN.rate))) == ()

@@ -10,7 +10,7 @@ RUN = motion()
 
 
 @pytest.mark.parametrize(("first", "count"), [(0, 3), (3, 3), (0, 6)])
-def test_a_triad_or_all_channels_jump_once(first: int, count: int) -> None:
+def test_a_triad_or_all_channels_jump_once(first, count):
     term = bias_step(first, 10.0, count).shaped((4.0,))
     jump = 1e-3 * np.arange(1.0, count + 1.0)
     change = read((term,), jump) - read((), [])
@@ -19,7 +19,7 @@ def test_a_triad_or_all_channels_jump_once(first: int, count: int) -> None:
     assert change == pytest.approx(expected, abs=1e-12)
 
 
-def test_jumps_are_told_half_way_and_a_walk_has_no_parameter() -> None:
+def test_jumps_are_told_half_way_and_a_walk_has_no_parameter():
     terms = candidates(recording(), RUN)
     assert [t.at for t in terms if t.name == "bias_step"] == 3 * [(0.5 * T[-1],)]
     assert BIAS_RANDOM_WALK in terms

@@ -1,4 +1,4 @@
-"""A room that leans, against the same poses turned as a whole."""
+"""The frame that the reference is told in, and the site."""
 
 from dataclasses import replace
 
@@ -7,13 +7,17 @@ import pytest
 
 from tasks.model.catalogue import catalogue
 from tasks.model.terms.reference_frame import REFERENCE_FRAME
+from tasks.model.terms.site import GRAVITY_VALUE, earth_rotation
 from tasks.motion.whole import whole_motion
 from tests.moved_by_hand import poses, recording, tilted
+from tests.tasks.model.table_run import LATITUDE, attitude, motion, read
+
+# A room that leans, against the same poses turned as a whole.
 
 ANGLE = 0.01  # rad
 
 
-def test_a_leaning_room_is_put_upright() -> None:
+def test_a_leaning_room_is_put_upright():
     exact = poses(1, 0.0, 0.0)
     upright = whole_motion(recording(reference=exact))
     leaning = whole_motion(recording(reference=tilted(exact, ANGLE)))
@@ -26,7 +30,7 @@ def test_a_leaning_room_is_put_upright() -> None:
         assert moved.translation == pytest.approx(leaning.translation, nan_ok=True)
 
 
-def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked() -> None:
+def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked():
     run = recording()
     motion = whole_motion(run)
     motion = replace(motion, t=motion.t - motion.t[0])
@@ -37,7 +41,7 @@ def test_it_stands_in_for_a_tilted_table_where_a_body_is_tracked() -> None:
     assert "reference_frame" not in untracked
 
 
-def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three() -> None:
+def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three():
     run = recording()
     motion = whole_motion(run)
     motion = replace(motion, t=motion.t - motion.t[0])
@@ -45,3 +49,21 @@ def test_a_tracked_body_tells_one_place_of_the_unit_and_not_three() -> None:
     untracked = [term.name for term in catalogue(run, replace(motion, tracking=None))]
     assert ("lever_arm" in names, "size_effect" in names) == (True, False)
     assert "size_effect" in untracked
+
+
+# What the place adds, against its definition.
+
+EARTH = 7.292115e-5  # rad/s, WGS 84
+
+
+def test_earths_rate_is_felt_along_the_pole():
+    pole = np.array([0.0, np.cos(LATITUDE), np.sin(LATITUDE)])
+    added = read((earth_rotation(LATITUDE),), []) - read((), [])
+    assert added[:, :3] == pytest.approx(EARTH * (attitude() * pole[:, None]).sum(axis=1))
+    assert not added[:, 3:].any()
+
+
+def test_more_gravity_is_felt_upwards():
+    added = read((GRAVITY_VALUE,), [0.01]) - read((), [])
+    assert added[:, 3:] == pytest.approx(0.01 * motion().up)
+    assert not added[:, :3].any()

@@ -27,7 +27,7 @@ def difference(shaft: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("axis", [1, 2, 3])
-def test_a_ripple_is_a_shaft_ahead_and_behind(axis: int) -> None:
+def test_a_ripple_is_a_shaft_ahead_and_behind(axis):
     n, s, c = 5, 6e-4, -4e-4
     shaft = ANGLES.copy()
     theta = ANGLES[:, axis - 1]
@@ -37,7 +37,7 @@ def test_a_ripple_is_a_shaft_ahead_and_behind(axis: int) -> None:
     assert np.abs(term[:, :3]).max() > 1e-4
 
 
-def test_the_depth_of_a_ripple_is_that_of_the_rate() -> None:
+def test_the_depth_of_a_ripple_is_that_of_the_rate():
     run = motion()
     assert run.axes is not None
     change = read((rate_ripple(7, 1),), [3e-3, 4e-3])[:, :3] - run.rate
@@ -48,7 +48,7 @@ def test_the_depth_of_a_ripple_is_that_of_the_rate() -> None:
 
 
 @pytest.mark.parametrize("axis", [1, 3])
-def test_an_encoder_that_errs_has_a_shaft_that_is_less_far(axis: int) -> None:
+def test_an_encoder_that_errs_has_a_shaft_that_is_less_far(axis):
     s, c = 2e-4, 3e-4
     shaft = ANGLES.copy()
     theta = ANGLES[:, axis - 1]
@@ -57,13 +57,13 @@ def test_an_encoder_that_errs_has_a_shaft_that_is_less_far(axis: int) -> None:
     assert term == pytest.approx(difference(shaft), abs=2e-6)
 
 
-def test_the_scale_of_all_encoders_is_exact_however_large() -> None:
+def test_the_scale_of_all_encoders_is_exact_however_large():
     term = (read((TABLE_SCALE,), [2e-3]) - read((), []))[INSIDE]
     assert term == pytest.approx(difference(ANGLES / 1.002), abs=3e-6)
     assert np.abs(term[:, 3:]).max() > 0.03
 
 
-def test_axes_that_went_round_are_searched_for_what_comes_again_each_turn() -> None:
+def test_axes_that_went_round_are_searched_for_what_comes_again_each_turn():
     terms = candidates(recording(), motion())
     assert {t.at[1] for t in terms if t.name == "rate_ripple"} == {1.0}
     assert [t.at[0] for t in terms if t.name == "rate_ripple"] == list(range(2, 25))

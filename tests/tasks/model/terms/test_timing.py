@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.model.term import Term
 from tasks.model.terms.electronics import BANDWIDTH, corner
 from tasks.model.terms.timing import ACCEL_AXIS_SKEW, CLOCK_SKEW, TIME_OFFSET
 from tasks.motion.whole import Motion
@@ -22,19 +21,19 @@ def waves(t: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize("late", [0.0, 0.0037, -0.0037, 0.01, 0.1234, -1.0])
-def test_stamps_that_are_late_say_what_was_before(late: float) -> None:
+def test_stamps_that_are_late_say_what_was_before(late):
     delayed = TIME_OFFSET.passed(RUN, waves(T), np.array([late]))
     assert delayed[INSIDE] == pytest.approx(waves(T - late)[INSIDE], abs=1e-6)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.0037, -0.012, 0.1234])
-def test_stamps_that_come_in_batches_are_late_by_seconds_not_rows(late: float) -> None:
+def test_stamps_that_come_in_batches_are_late_by_seconds_not_rows(late):
     batched = T - 0.6 * 0.01 * (np.arange(len(T)) % 6)
     delayed = TIME_OFFSET.passed(replace(RUN, t=batched), waves(batched), np.array([late]))
     assert delayed[INSIDE] == pytest.approx(waves(batched - late)[INSIDE], abs=1e-3)
 
 
-def test_uneven_stamps_without_a_known_motion_stay_unknown() -> None:
+def test_uneven_stamps_without_a_known_motion_stay_unknown():
     uneven = replace(RUN, t=T + 0.003 * (np.arange(len(T)) % 3))
     readings = waves(uneven.t)
     readings[100:120] = np.nan
@@ -44,12 +43,12 @@ def test_uneven_stamps_without_a_known_motion_stay_unknown() -> None:
 
 
 @pytest.mark.parametrize("share", [0.0, 1e-5, 2e-3, -2e-3])
-def test_a_clock_that_runs_fast_stamps_later_and_later(share: float) -> None:
+def test_a_clock_that_runs_fast_stamps_later_and_later(share):
     skewed = CLOCK_SKEW.passed(RUN, waves(T), np.array([share]))
     assert skewed[INSIDE] == pytest.approx(waves(T / (1.0 + share))[INSIDE], abs=1e-6)
 
 
-def test_accelerometers_read_one_after_another_are_ahead_of_x() -> None:
+def test_accelerometers_read_one_after_another_are_ahead_of_x():
     skewed = ACCEL_AXIS_SKEW.passed(RUN, waves(T), np.array([0.0021]))
     expected = waves(T)
     expected[:, 4] = waves(T + 0.0021)[:, 4]
@@ -59,7 +58,7 @@ def test_accelerometers_read_one_after_another_are_ahead_of_x() -> None:
 
 
 @pytest.mark.parametrize("seconds", [0.004, 0.05])
-def test_a_low_pass_lowers_and_delays_each_frequency_by_its_response(seconds: float) -> None:
+def test_a_low_pass_lowers_and_delays_each_frequency_by_its_response(seconds):
     passed = BANDWIDTH.passed(RUN, waves(T), np.array([seconds]))
     for channel, f in enumerate((0.2, 0.5, 0.9, 1.2, 1.6, 2.0)):
         s = 1j * f / corner(seconds)
@@ -70,7 +69,7 @@ def test_a_low_pass_lowers_and_delays_each_frequency_by_its_response(seconds: fl
 
 
 @pytest.mark.parametrize("term", [TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW, BANDWIDTH])
-def test_what_is_not_known_spoils_only_what_is_near(term: type) -> None:
+def test_what_is_not_known_spoils_only_what_is_near(term):
     gap = waves(T)
     gap[1000:1200] = np.nan
     passed = term.passed(RUN, gap, np.array([1e-3]))  # type: ignore[attr-defined]
@@ -80,7 +79,7 @@ def test_what_is_not_known_spoils_only_what_is_near(term: type) -> None:
         assert passed[near] == pytest.approx(whole[near], abs=1e-6)
 
 
-def test_a_low_pass_knows_nothing_until_it_has_forgotten_what_is_not_known() -> None:
+def test_a_low_pass_knows_nothing_until_it_has_forgotten_what_is_not_known():
     gap = waves(T)
     gap[1000:1200, 2] = np.nan
     passed = BANDWIDTH.passed(RUN, gap, np.array([0.019]))  # two rows
@@ -89,7 +88,7 @@ def test_a_low_pass_knows_nothing_until_it_has_forgotten_what_is_not_known() -> 
     assert np.isfinite(passed[:, [0, 1, 3, 4, 5]]).all()
 
 
-def test_a_low_pass_does_not_ring_at_the_corner_of_a_ramp() -> None:
+def test_a_low_pass_does_not_ring_at_the_corner_of_a_ramp():
     ramp = np.maximum(T - 15.0, 0.0)[:, None] * np.ones(6)
     change = BANDWIDTH.passed(RUN, ramp, np.array([1e-4])) - ramp
     assert np.abs(change[INSIDE][(T < 14.9)[INSIDE]]).max() < 1e-7
@@ -97,7 +96,7 @@ def test_a_low_pass_does_not_ring_at_the_corner_of_a_ramp() -> None:
 
 
 @pytest.mark.parametrize("term", [TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW, BANDWIDTH])
-def test_nothing_passes_from_one_fixing_of_the_unit_to_the_next(term: type) -> None:
+def test_nothing_passes_from_one_fixing_of_the_unit_to_the_next(term):
     up = np.where(T[:, None] < 12.0, [0.0, 0.0, 1.0], [0.0, 1.0, 0.0])
     rate = 0.1 * np.ones((len(T), 3))
     run = replace(RUN, up=up, rate=rate)
@@ -107,7 +106,7 @@ def test_nothing_passes_from_one_fixing_of_the_unit_to_the_next(term: type) -> N
         assert term.passed(run, fixed, np.array([value])) == pytest.approx(fixed)  # type: ignore[attr-defined]
 
 
-def test_every_signal_term_is_linear_in_the_readings() -> None:
+def test_every_signal_term_is_linear_in_the_readings():
     one, other = waves(T), waves(0.5 * T + 1.0)
     run: Motion = RUN
     for term in (TIME_OFFSET, CLOCK_SKEW, ACCEL_AXIS_SKEW, BANDWIDTH):
@@ -119,7 +118,7 @@ def test_every_signal_term_is_linear_in_the_readings() -> None:
 
 
 @pytest.mark.parametrize("term", [TIME_OFFSET, CLOCK_SKEW])
-def test_what_is_constant_stays_exactly_so_also_after_unknown_rows(term: Term) -> None:
+def test_what_is_constant_stays_exactly_so_also_after_unknown_rows(term):
     readings = np.full((len(T), 6), 9.80665)
     readings[1000:] = -0.0123
     readings[:3] = np.nan

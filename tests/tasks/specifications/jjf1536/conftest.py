@@ -106,7 +106,7 @@ def bench() -> Callable[..., Bench]:
 
 
 @pytest.fixture(scope="session")
-def ahrs_run(bench: Callable[..., Bench]) -> Callable[..., Recording]:
+def ahrs_run(bench) -> Callable[..., Recording]:
     """Builds a whole run: rate points with rests, four positions an axis, ten turns each way."""
 
     def build(hold: float = 60.0, noise: dict[str, Any] | None = None, **errors: Any) -> Recording:

@@ -32,7 +32,7 @@ def result(recording: Recording) -> Calibration:
 
 
 @pytest.mark.parametrize(("i", "j"), OFF)
-def test_eq_7_8_and_9_divide_by_the_whole_and_give_degrees(ahrs_run: Build, i: int, j: int) -> None:
+def test_eq_7_8_and_9_divide_by_the_whole_and_give_degrees(ahrs_run, i, j):
     ratio, matrix = 0.001, np.zeros((3, 3))
     matrix[i, j] = ratio
     value = result(ahrs_run(L=matrix)).items["ahrs_misalignment"].value[AXES[i] + AXES[j]]
@@ -43,9 +43,7 @@ def test_eq_7_8_and_9_divide_by_the_whole_and_give_degrees(ahrs_run: Build, i: i
 
 
 @pytest.mark.parametrize(("i", "j"), OFF)
-def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(
-    ahrs_run: Build, i: int, j: int
-) -> None:
+def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(ahrs_run, i, j):
     matrix = np.zeros((3, 3))
     matrix[i, j] = 0.001
     value = result(ahrs_run(L=matrix)).items["ahrs_misalignment"].value
@@ -63,9 +61,7 @@ def test_table_3_mixes_the_indices_and_the_first_is_the_axis_that_reads(
         ("jjf1536.zero_time", "divided by the whole of 4·T"),
     ],
 )
-def test_the_register_has_the_reading_and_the_certificate_prints_it(
-    ahrs_run: Build, reading: str, statement: str
-) -> None:
+def test_the_register_has_the_reading_and_the_certificate_prints_it(ahrs_run, reading, statement):
     assert statement in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
     assert statement in " ".join(say(each.text, "en") for each in readings(result(ahrs_run())))
@@ -75,12 +71,12 @@ def test_the_register_has_the_reading_and_the_certificate_prints_it(
     ("reading", "statement"),
     [("jjf1536.product", "a product"), ("jjf1536.attitude", "atan2(−T12, T22)")],
 )
-def test_the_register_has_what_no_value_rests_on(reading: str, statement: str) -> None:
+def test_the_register_has_what_no_value_rests_on(reading, statement):
     assert statement in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
 
 
-def test_eq_b4_gives_heading_and_roll_of_b1_in_every_quadrant() -> None:
+def test_eq_b4_gives_heading_and_roll_of_b1_in_every_quadrant():
     for heading, pitch, roll in ((0.7, -0.4, 2.1), (-2.9, 0.3, -0.2), (2.0, 1.2, -3.0)):
         T = Rotation.from_euler("ZXY", (heading, pitch, roll)).as_matrix()  # eq. (B.1)
         assert np.arctan2(-T[0, 1], T[1, 1]) == pytest.approx(heading)
@@ -88,12 +84,12 @@ def test_eq_b4_gives_heading_and_roll_of_b1_in_every_quadrant() -> None:
         assert np.arcsin(T[2, 1]) == pytest.approx(pitch)
 
 
-def test_the_recalibration_is_due_after_24_months_here_and_12_there() -> None:
+def test_the_recalibration_is_due_after_24_months_here_and_12_there():
     assert JJF1536.interval_months == 24
     assert JJF2003.interval_months == 12
 
 
-def test_room_and_dwell_are_those_of_the_specification_that_is_followed() -> None:
+def test_room_and_dwell_are_those_of_the_specification_that_is_followed():
     here, there = JJF1536.conditions, JJF2003.conditions
     assert (here.temperature_degc, there.temperature_degc) == ((17.0, 23.0), (15.0, 25.0))
     assert (here.humidity_percent, there.humidity_percent) == ((30.0, 85.0), (20.0, 85.0))

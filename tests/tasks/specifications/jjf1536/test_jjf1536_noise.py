@@ -1,4 +1,4 @@
-"""The stated uncertainty is the scatter: on the simulated AHRS and on noise of every kind."""
+"""The stated uncertainty is the scatter; the noise of the rates comes back from the angles."""
 
 import json
 
@@ -7,9 +7,12 @@ import pytest
 
 from schemas.calibration import Calibration, Item
 from schemas.recording import Recording
+from tasks.calibrate.calibrate import calibrate
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf1536.evidence import fit_angle_noise, pooled_allan
 from tests.tasks.items_only import items_only
+
+# The stated uncertainty is the scatter: on the simulated AHRS and on noise of every kind.
 
 AXES = "xyz"
 K, B = (1.001, 0.999, 1.0), (0.002, -0.001, 0.003)
@@ -43,7 +46,7 @@ def rms(values) -> float:
     return float(np.sqrt(np.mean(np.square(list(values)))))
 
 
-def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shared) -> None:
+def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shared):
     truth = json.loads((shared / "plant" / "ahrs_clean" / "truth.json").read_text())
     calibration = result(plant("ahrs_clean"))
     off = deviations(calibration, truth["K"], truth["L"], truth["B_deg_s"])
@@ -56,7 +59,7 @@ def test_the_simulated_ahrs_is_within_three_of_its_own_uncertainties(plant, shar
     }  # fmt: skip
 
 
-def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro) -> None:
+def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro):
     recording = plant("ahrs_clean")
     table = recording.table
     by_angle = result(recording)
@@ -80,7 +83,7 @@ def test_the_simulated_ahrs_gives_the_same_by_its_rates(plant, as_gyro) -> None:
     ],
     ids=["random walk", "random walk and angle noise", "random walk and rounding to 0.01°"],
 )
-def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise) -> None:
+def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise):
     runs = (ahrs_run(K=K, L=L, B=B, noise={**noise, "seed": seed}) for seed in range(8))
     off = [deviations(result(run), K, L, B) for run in runs]
     for item in ("scale", "zero", "misalignment"):
@@ -88,7 +91,7 @@ def test_values_scatter_as_their_uncertainty_says(ahrs_run, noise) -> None:
         assert 0.5 < rms(values) < 1.4
 
 
-def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run) -> None:
+def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run):
     step = np.radians(0.01)
     run = ahrs_run(noise={"rate_noise": RATE_NOISE / 20, "angle_noise": 0.0, "step": step}, B=B)
     codes = {r.code for r in result(run).remarks}
@@ -96,7 +99,7 @@ def test_an_angle_of_coarse_resolution_is_no_stuck_channel(ahrs_run) -> None:
     assert "short_position" in codes
 
 
-def test_both_noises_are_told_apart() -> None:
+def test_both_noises_are_told_apart():
     random, interval, count = np.random.default_rng(7), 0.1, 6000
     walk, angle = np.array([1e-4, 5e-5, 0.0]), np.array([0.0, 1e-4, 1e-4])
     rests = []
@@ -111,7 +114,7 @@ def test_both_noises_are_told_apart() -> None:
     assert found.angle[0] < 0.02 * walk[0] ** 2 * interval
 
 
-def test_noise_of_the_angle_is_never_less_than_its_rounding() -> None:
+def test_noise_of_the_angle_is_never_less_than_its_rounding():
     nothing = [np.zeros((3, 100))]
     step = np.array([1e-4, 2e-4, 0.0])
     found = fit_angle_noise(nothing, 0.1, step)
@@ -120,9 +123,31 @@ def test_noise_of_the_angle_is_never_less_than_its_rounding() -> None:
     assert fit_angle_noise([], 0.1, step).angle == pytest.approx(step**2 / 12)
 
 
-def test_allan_variances_are_those_of_block_means() -> None:
+def test_allan_variances_are_those_of_block_means():
     gain = np.random.default_rng(3).normal(size=(3, 8))
     variance, count = pooled_allan([gain], 0.5)
     blocks = gain.reshape(3, 4, 2).mean(axis=2) / 0.5
     assert variance[1] == pytest.approx(0.5 * (np.diff(blocks) ** 2).mean(axis=1))
     assert list(count) == [7, 3, 1]
+
+
+# What stands beside the items of an AHRS: the noise and the line of its axes.
+
+WALK = 5e-5  # rad/√s
+
+
+def test_the_white_noise_of_the_rates_is_recovered_from_the_angles(ahrs_run):
+    recording = ahrs_run(hold=200.0, noise={"rate_noise": WALK, "angle_noise": 1e-5})
+    found = calibrate(JJF1536, recording, run="r", code_version="v").information
+    assert not [name for name in found if name.startswith(("gyro", "accel"))]
+    walk = found["ahrs_angle_random_walk"]
+    for axis in "xyz":
+        truth = 60.0 * float(np.degrees(WALK))
+        assert walk.value[axis] == pytest.approx(truth, abs=3 * walk.u[axis])
+
+
+def test_non_linearity_stands_beside_the_scale_factor(ahrs_run):
+    found = calibrate(JJF1536, ahrs_run(), run="r", code_version="v").information
+    assert found["ahrs_scale_nonlinearity"].about == "ahrs_scale_factor"
+    assert found["ahrs_scale_nonlinearity"].value["x"] == pytest.approx(0.0, abs=0.01)
+    assert found["ahrs_scale_asymmetry"].value["x"] == pytest.approx(0.0, abs=0.01)

@@ -68,7 +68,7 @@ def printed_readings(calibration: Calibration) -> str:
 # 1 and 2: eq. (12), (13), text and sign.
 
 
-def test_eq_12_takes_one_mean_at_rest_and_one_while_turning(ideal_run: Build) -> None:
+def test_eq_12_takes_one_mean_at_rest_and_one_while_turning(ideal_run):
     recording = ideal_run(P=P)
     value = item(recording, "accel_rate_sensitivity").value["yx"]
     assert value == pytest.approx(-P[1, 0], abs=1e-9)
@@ -77,7 +77,7 @@ def test_eq_12_takes_one_mean_at_rest_and_one_while_turning(ideal_run: Build) ->
     assert abs(both_at_rest - value) > 1e-5
 
 
-def test_eq_12_has_the_opposite_sign_of_model_2_and_both_are_stored(ideal_run: Build) -> None:
+def test_eq_12_has_the_opposite_sign_of_model_2_and_both_are_stored(ideal_run):
     recording = ideal_run(P=P)
     p = item(recording, "accel_rate_sensitivity")
     assert p.value_model == pytest.approx(off_diagonal(P), abs=1e-9)
@@ -93,7 +93,7 @@ def test_eq_12_has_the_opposite_sign_of_model_2_and_both_are_stored(ideal_run: B
 # 3: p is not the sensor's alone.
 
 
-def test_eq_12_returns_the_lever_arm_on_top_of_p(ideal_run: Build) -> None:
+def test_eq_12_returns_the_lever_arm_on_top_of_p(ideal_run):
     r = np.array([0.010, 0.020, -0.030])
     arm = np.array([[0.0 if i == j else -r[i] for j in range(3)] for i in range(3)])
     recording = ideal_run(P=P + arm)  # turning about j, −ω²·r_i is felt along i
@@ -107,9 +107,7 @@ def test_eq_12_returns_the_lever_arm_on_top_of_p(ideal_run: Build) -> None:
 # 4: Earth's rotation in the g-sensitivity.
 
 
-def test_eq_7_keeps_the_vertical_part_of_earths_rotation_and_it_is_removed(
-    ideal_run: Build,
-) -> None:
+def test_eq_7_keeps_the_vertical_part_of_earths_rotation_and_it_is_removed(ideal_run):
     true = np.array([[0.004, 0.001, 0.0], [0.0, -0.006, 0.002], [0.003, 0.0, 0.005]])  # (°/s)/g
     vertical = DEG * EARTH_RATE * np.sin(np.radians(LATITUDE))
     felt = true + vertical * np.eye(3)  # an axis up reads +ω_e·sin φ, an axis down −ω_e·sin φ
@@ -134,7 +132,7 @@ def test_eq_7_keeps_the_vertical_part_of_earths_rotation_and_it_is_removed(
 
 
 @pytest.mark.parametrize("element", ["xz", "zx"])
-def test_k_axz_and_k_azx_are_two_coefficients(ideal_run: Build, element: str) -> None:
+def test_k_axz_and_k_azx_are_two_coefficients(ideal_run, element):
     coupling = np.eye(3)
     coupling[AXES.index(element[0]), AXES.index(element[1])] = 0.01
     value = item(ideal_run(Ka=coupling), "accel_cross_coupling").value
@@ -142,7 +140,7 @@ def test_k_axz_and_k_azx_are_two_coefficients(ideal_run: Build, element: str) ->
     assert len(value) == 6
 
 
-def test_k_gzy_which_appendix_b_leaves_out_is_given(ideal_run: Build) -> None:
+def test_k_gzy_which_appendix_b_leaves_out_is_given(ideal_run):
     coupling = np.eye(3)
     coupling[2, 1] = 0.01
     calibration = result(ideal_run(Kg=coupling))
@@ -152,7 +150,7 @@ def test_k_gzy_which_appendix_b_leaves_out_is_given(ideal_run: Build) -> None:
     assert all(abs(value[element]) < 1e-7 for element in as_printed)
 
 
-def test_both_names_of_the_input_matrix_are_one_matrix_in_local_g(ideal_run: Build) -> None:
+def test_both_names_of_the_input_matrix_are_one_matrix_in_local_g(ideal_run):
     calibration = result(ideal_run(Ka=1.01 * np.eye(3), G=0.001 * np.eye(3)))
     scale, g = calibration.items["accel_scale_factor"], calibration.items["gyro_g_sensitivity"]
     assert scale.value["x"] == pytest.approx(1.01, abs=1e-8)
@@ -175,9 +173,7 @@ def test_both_names_of_the_input_matrix_are_one_matrix_in_local_g(ideal_run: Bui
         ("jjf2003.positions", "two headings 180° apart"),
     ],
 )
-def test_the_register_has_the_reading_and_the_certificate_prints_it(
-    ideal_run: Build, reading: str, statement: str
-) -> None:
+def test_the_register_has_the_reading_and_the_certificate_prints_it(ideal_run, reading, statement):
     assert statement in say(READINGS[reading].text, "en")
     assert say(READINGS[reading].text, "zh")
     assert statement in printed_readings(result(ideal_run()))
@@ -186,7 +182,7 @@ def test_the_register_has_the_reading_and_the_certificate_prints_it(
 # 8: the unit of p.
 
 
-def test_p_is_in_metres_and_its_unit_is_written_beside_it(ideal_run: Build) -> None:
+def test_p_is_in_metres_and_its_unit_is_written_beside_it(ideal_run):
     p = item(ideal_run(P=P), "accel_rate_sensitivity")
     assert p.unit == "m"
     in_g_per_square_degree = P[1, 0] / GRAVITY / DEG**2
@@ -197,7 +193,7 @@ def test_p_is_in_metres_and_its_unit_is_written_beside_it(ideal_run: Build) -> N
 # 9 and 10: Appendix A.
 
 
-def test_appendix_a_adds_linearly_what_its_own_law_of_propagation_does_not() -> None:
+def test_appendix_a_adds_linearly_what_its_own_law_of_propagation_does_not():
     u = 3.41e-5
     positions = [
         Contribution(InputQuantity(f"U{i}", "mean", "deg/s", u, "A", "normal"), 1 / 6)
@@ -210,14 +206,14 @@ def test_appendix_a_adds_linearly_what_its_own_law_of_propagation_does_not() -> 
     assert as_printed > 10 * gum.u_c
 
 
-def test_the_number_of_effective_bits_is_the_units_own() -> None:
+def test_the_number_of_effective_bits_is_the_units_own():
     assert acquisition(12) == pytest.approx(1.41e-4, abs=5e-7)
     assert acquisition(16) == pytest.approx(acquisition(12) / 16)
     assert combine_as_example("K", "1", 1.0, [0.0], bits=16).inputs[1].u == acquisition(16)
 
 
 @pytest.mark.parametrize("kind", get_args(UncertaintyKind))
-def test_the_certificate_says_which_evaluation_was_used(ideal_run: Build, kind: str) -> None:
+def test_the_certificate_says_which_evaluation_was_used(ideal_run, kind):
     calibration = result(ideal_run())
     items = {
         name: each.model_copy(update={"uncertainty_kind": kind})
@@ -229,6 +225,6 @@ def test_the_certificate_says_which_evaluation_was_used(ideal_run: Build, kind: 
     assert ids == [f"certificate-u-contains.{slug(kind)}"]
 
 
-def test_the_register_has_the_symbol_of_a_3_2_3() -> None:
+def test_the_register_has_the_symbol_of_a_3_2_3():
     assert "U_gx1" in say(READINGS["jjf2003.u_gx1"].text, "en")
     assert "N_gx1" in say(READINGS["jjf2003.u_gx1"].text, "zh")

@@ -27,7 +27,7 @@ def codes(calibration: Calibration) -> set[str]:
     return {remark.code for remark in calibration.remarks}
 
 
-def test_vn200_gives_what_its_author_found(real) -> None:
+def test_vn200_gives_what_its_author_found(real):
     calibration = result(real("vn200_imu0_rate_table"))
     items = calibration.items
     author = {"x": 1.0006, "y": 1.0000, "z": 0.9999}
@@ -38,7 +38,7 @@ def test_vn200_gives_what_its_author_found(real) -> None:
     assert items["gyro_cross_coupling"].value["xy"] == pytest.approx(+0.0086, abs=3e-4)
 
 
-def test_vn200_says_what_it_cannot_give_and_what_it_left_out(real) -> None:
+def test_vn200_says_what_it_cannot_give_and_what_it_left_out(real):
     calibration = result(real("vn200_imu0_rate_table"))
     assert set(calibration.items["gyro_bias"].value.values()) == {None}
     assert "gyro triad" in calibration.unavailable["gyro_bias"]
@@ -48,7 +48,7 @@ def test_vn200_says_what_it_cannot_give_and_what_it_left_out(real) -> None:
     assert left_out["static_+z"] >= 23
 
 
-def test_ln100_books_earth_rotation_as_g_sensitivity_until_it_is_removed(real) -> None:
+def test_ln100_books_earth_rotation_as_g_sensitivity_until_it_is_removed(real):
     calibration = result(real("ln100_two_position"))
     item = calibration.items["gyro_g_sensitivity"]
     assert item.value["xx"] * 3600 == pytest.approx(11.73, abs=0.005)
@@ -60,7 +60,7 @@ def test_ln100_books_earth_rotation_as_g_sensitivity_until_it_is_removed(real) -
     assert "one heading" in calibration.unavailable["gyro_g_sensitivity"]
 
 
-def test_vn200_57630_labels_that_gravity_contradicts_are_not_believed(real) -> None:
+def test_vn200_57630_labels_that_gravity_contradicts_are_not_believed(real):
     calibration = result(real("vn200_57630_six_position"))
     (axes,) = (r for r in calibration.remarks if r.code == "axes")
     assert "x: −x, y: −y" in axes.en
@@ -72,7 +72,7 @@ def test_vn200_57630_labels_that_gravity_contradicts_are_not_believed(real) -> N
     )
 
 
-def test_xsens_rests_are_found_and_nothing_is_made_up_of_them(real) -> None:
+def test_xsens_rests_are_found_and_nothing_is_made_up_of_them(real):
     calibration = result(real("xsens_multiposition"))
     assert len(calibration.segments) == 38
     assert {s.origin for s in calibration.segments} == {"found"}
@@ -80,11 +80,11 @@ def test_xsens_rests_are_found_and_nothing_is_made_up_of_them(real) -> None:
     assert set(values) == {None}
 
 
-def test_a_recording_that_never_rests_has_no_rest(real) -> None:
+def test_a_recording_that_never_rests_has_no_rest(real):
     assert result(real("encoder_mpu6050_pitch_slow")).segments == ()
 
 
-def test_turns_by_a_known_angle_on_a_table_have_its_angle_and_its_axis_in_the_budget(real) -> None:
+def test_turns_by_a_known_angle_on_a_table_have_its_angle_and_its_axis_in_the_budget(real):
     by_hand = real("ferraris_session")
     manifest = by_hand.manifest.model_copy(update={"standard": "JJF 2003-2022"})
     items = result(replace(by_hand, manifest=manifest)).items
@@ -92,7 +92,7 @@ def test_turns_by_a_known_angle_on_a_table_have_its_angle_and_its_axis_in_the_bu
     assert {"α1", "α1θ"} <= lines
 
 
-def test_ferraris_session_agrees_with_the_package_imucal(real) -> None:
+def test_ferraris_session_agrees_with_the_package_imucal(real):
     recording = real("ferraris_session")
     regions = {}
     for segment in recording.manifest.segments:
@@ -153,16 +153,14 @@ def deviations(shared, name: str, recording: Recording) -> dict[str, float]:
     return found
 
 
-def test_plant_clean_is_within_two_and_a_half_standard_uncertainties_of_its_truth(
-    shared, plant
-) -> None:
+def test_plant_clean_is_within_two_and_a_half_standard_uncertainties_of_its_truth(shared, plant):
     off = deviations(shared, "plant_clean", plant("plant_clean"))
     assert len(off) == 39
     assert max(map(abs, off.values())) < 2.5
     assert 0.5 < np.sqrt(np.mean(np.square(list(off.values())))) < 1.5
 
 
-def test_earth_rotation_leaves_the_diagonal_only_where_it_is_removed(shared, plant) -> None:
+def test_earth_rotation_leaves_the_diagonal_only_where_it_is_removed(shared, plant):
     recording = plant("plant_earth_rotation")
     off = deviations(shared, "plant_earth_rotation", recording)
     assert all(off[f"gyro_g_sensitivity.{a}{a}"] > 5 for a in AXES)
@@ -177,7 +175,7 @@ def test_earth_rotation_leaves_the_diagonal_only_where_it_is_removed(shared, pla
             assert abs(left) < 3 * item.u_without_earth_rotation[a + b]
 
 
-def test_a_lever_arm_is_returned_as_p_in_metres(plant) -> None:
+def test_a_lever_arm_is_returned_as_p_in_metres(plant):
     value = result(plant("plant_lever_arm")).items["accel_rate_sensitivity"].value
     lever = {"yx": -0.018, "zx": 0.007, "xy": 0.012, "zy": 0.007, "xz": 0.012, "yz": -0.018}
     assert value == pytest.approx(lever, abs=0.001)

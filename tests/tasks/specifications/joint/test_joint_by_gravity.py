@@ -1,7 +1,5 @@
 """The joint method with gravity alone: rests by hand, and the moves between them."""
 
-from collections.abc import Callable
-
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
@@ -67,7 +65,7 @@ def by_hand() -> Calibration:
     return by_joint(held_by_hand())
 
 
-def test_accelerometers_are_found_by_gravity_alone(by_hand) -> None:
+def test_accelerometers_are_found_by_gravity_alone(by_hand):
     k = matrix(by_hand, "accel")
     known = np.triu_indices(3)
     assert k[known] == pytest.approx(K_ACCEL[known], abs=1e-4)
@@ -78,14 +76,14 @@ def test_accelerometers_are_found_by_gravity_alone(by_hand) -> None:
     assert by_hand.items["accel_scale_factor"].readings == ("joint.gravity_alone",)
 
 
-def test_the_gyro_is_found_by_the_moves_between_rests(by_hand) -> None:
+def test_the_gyro_is_found_by_the_moves_between_rests(by_hand):
     assert matrix(by_hand, "gyro") == pytest.approx(K_GYRO, abs=1e-3)
     bias = np.degrees(B_GYRO)
     assert list(by_hand.items["gyro_bias"].value.values()) == pytest.approx(bias, abs=2e-3)
     assert "integrated gyro" in next(r.en for r in by_hand.remarks if r.code == "moves_residual")
 
 
-def test_the_truth_lies_within_the_stated_uncertainties() -> None:
+def test_the_truth_lies_within_the_stated_uncertainties():
     z = []
     for seed in range(8):
         items = by_joint(held_by_hand(24, seed)).items
@@ -96,7 +94,7 @@ def test_the_truth_lies_within_the_stated_uncertainties() -> None:
     assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.5
 
 
-def test_a_known_latitude_takes_the_vertical_part_of_earth_rotation_off() -> None:
+def test_a_known_latitude_takes_the_vertical_part_of_earth_rotation_off():
     unknown, known = (by_joint(held_by_hand(latitude_deg=phi)) for phi in (None, 30.0))
     off = [
         unknown.items["gyro_g_sensitivity"].value[a * 2]
@@ -115,26 +113,26 @@ def test_a_known_latitude_takes_the_vertical_part_of_earth_rotation_off() -> Non
         (lambda: held_by_hand(rests=6), "rests with accelerometer readings; 12 or more"),
     ],
 )
-def test_what_is_not_enough_is_said(recording: Callable[[], Recording], reason: str) -> None:
+def test_what_is_not_enough_is_said(recording, reason):
     found = by_joint(recording())
     assert {v for item in found.items.values() for v in item.value.values()} == {None}
     assert all(reason in why for why in found.unavailable.values())
 
 
-def test_rests_about_one_axis_only_determine_no_accelerometer() -> None:
+def test_rests_about_one_axis_only_determine_no_accelerometer():
     angle = np.linspace(0.0, 2 * np.pi, 40, endpoint=False)
     level = GRAVITY * np.column_stack([np.cos(angle), np.sin(angle), np.zeros(40)])
     assert fit_gravity(level, GRAVITY, np.tile(1e-6 * np.eye(40), (3, 1, 1))) is None
 
 
-def test_moves_about_the_vertical_tell_no_gyro() -> None:
+def test_moves_about_the_vertical_tell_no_gyro():
     turns = np.zeros((20, 50, 3))
     turns[..., 2] = 0.03
     up = np.tile([0.0, 0.0, 1.0], (20, 1))
     assert fit_moves(Moves(turns, up, up)) is None
 
 
-def test_xsens_session_gives_the_factory_scale_ratios(real) -> None:
+def test_xsens_session_gives_the_factory_scale_ratios(real):
     recording = real("xsens_multiposition")
     found = by_joint(recording)
     k, bias = matrix(found, "accel"), np.array(list(found.items["accel_bias"].value.values()))

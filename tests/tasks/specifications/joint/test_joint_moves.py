@@ -12,7 +12,7 @@ from tasks.specifications.joint.moves import _increments
 DEG = np.degrees(1.0)
 
 
-def test_increments_of_a_rate_that_turns_are_those_of_the_attitude() -> None:
+def test_increments_of_a_rate_that_turns_are_those_of_the_attitude():
     """A rate of steady slope across itself, integrated finely by scipy, against one step."""
     start, end, step = np.array([0.8, 0.0, 0.1]), np.array([0.0, 0.9, 0.1]), 0.1
     fine = 4000
@@ -25,7 +25,7 @@ def test_increments_of_a_rate_that_turns_are_those_of_the_attitude() -> None:
     assert one == pytest.approx(attitude.as_rotvec(), abs=0.02 * coning)
 
 
-def test_the_gyro_that_reads_the_vertical_part_is_given_less_of_it() -> None:
+def test_the_gyro_that_reads_the_vertical_part_is_given_less_of_it():
     """The run has no Earth in it: what is taken off is K·ωe·sin φ, by row the gyro that reads."""
     without = by_joint(held_by_hand(latitude_deg=None)).items["gyro_g_sensitivity"].value
     at = by_joint(held_by_hand(latitude_deg=60.0)).items["gyro_g_sensitivity"].value
@@ -36,7 +36,7 @@ def test_the_gyro_that_reads_the_vertical_part_is_given_less_of_it() -> None:
             assert taken == pytest.approx(K_GYRO[i, j], abs=5e-4)
 
 
-def test_a_gravity_told_wrong_scales_the_accelerometer_as_its_budget_says() -> None:
+def test_a_gravity_told_wrong_scales_the_accelerometer_as_its_budget_says():
     right = by_joint(held_by_hand()).items
     wrong = by_joint(held_by_hand(gravity_m_s2=GRAVITY + 0.01)).items
     for name in ("accel_scale_factor", "accel_cross_coupling"):

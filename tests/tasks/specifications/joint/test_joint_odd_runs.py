@@ -40,12 +40,12 @@ def changed(recording: Recording, **columns: np.ndarray) -> Recording:
     return replace(recording, imu=imu)
 
 
-def test_rates_at_which_the_gyro_was_not_recorded_are_not_counted(ideal_run) -> None:
+def test_rates_at_which_the_gyro_was_not_recorded_are_not_counted(ideal_run):
     run = without(ideal_run(), GYRO, lambda s: s.kind == "rate" and abs(s.rate_deg_s) > 50.0)
     assert "+x 2, -x 2, +y 2, -y 2, +z 2, -z 2" in joined(by(JOINT, run), "number_of_rates")
 
 
-def test_one_rate_that_is_left_gives_no_scale_factor_and_spoils_no_other(ideal_run) -> None:
+def test_one_rate_that_is_left_gives_no_scale_factor_and_spoils_no_other(ideal_run):
     scale = np.array([[1.002, 0.001, 0.0], [0.0, 0.997, 0.002], [0.001, 0.0, 1.004]])
     whole = ideal_run(Kg=scale)
     run = without(whole, GYRO, lambda s: s.axis == "z" and s.rate_deg_s != 300.0)
@@ -60,7 +60,7 @@ def test_one_rate_that_is_left_gives_no_scale_factor_and_spoils_no_other(ideal_r
 
 
 @METHODS
-def test_a_position_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method) -> None:
+def test_a_position_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method):
     run = without(ideal_run(), ACCEL, lambda s: s.kind == "static" and s.up == "+x")
     text = joined(by(method, run), "positions_missing")
     assert "+x up of the accelerometer triad" in text
@@ -68,21 +68,19 @@ def test_a_position_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method
 
 
 @METHODS
-def test_a_heading_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method) -> None:
+def test_a_heading_that_one_triad_lacks_is_said_of_that_triad(ideal_run, method):
     run = without(ideal_run(), GYRO, lambda s: s.name == "position_-y_180")
     text = joined(by(method, run), "one_heading")
     assert text.startswith("-y up: gyro not recorded")
 
 
 @METHODS
-def test_a_unit_without_gyros_is_not_told_that_their_positions_are_missing(
-    ideal_run, method
-) -> None:
+def test_a_unit_without_gyros_is_not_told_that_their_positions_are_missing(ideal_run, method):
     run = without(ideal_run(), GYRO, lambda s: True)
     assert not joined(by(method, run), "positions_missing")
 
 
-def test_a_gyro_that_reads_one_number_throughout_has_no_parameters(ideal_run) -> None:
+def test_a_gyro_that_reads_one_number_throughout_has_no_parameters(ideal_run):
     run = ideal_run()
     found = by(JOINT, changed(run, gyro_z=np.zeros(len(run.imu))))
     assert found.items["gyro_scale_factor"].value["z"] is None
@@ -92,7 +90,7 @@ def test_a_gyro_that_reads_one_number_throughout_has_no_parameters(ideal_run) ->
 
 
 @METHODS
-def test_points_far_beyond_the_noise_pass_no_unit(ideal_run, method) -> None:
+def test_points_far_beyond_the_noise_pass_no_unit(ideal_run, method):
     run = ideal_run()
     gyro = np.array(run.imu.columns["gyro_x"])
     fast = next(s for s in run.manifest.segments if s.name == "rate_x_+300")
@@ -100,14 +98,14 @@ def test_points_far_beyond_the_noise_pass_no_unit(ideal_run, method) -> None:
     assert "gyro_x" in joined(by(method, changed(run, gyro_x=gyro)), "excess_scatter")
 
 
-def test_an_ideal_run_of_sensors_off_the_centre_gives_the_truth_back() -> None:
+def test_an_ideal_run_of_sensors_off_the_centre_gives_the_truth_back():
     recording, truth = simulate("joint", 3, ideal=True)
     errors = errors_of(by(JOINT, recording), truth)
     assert max(abs(e) for item in errors.values() for e, *_ in item.values()) < 1e-9
 
 
 @METHODS
-def test_a_gap_of_the_table_stream_passes_no_unit(method) -> None:
+def test_a_gap_of_the_table_stream_passes_no_unit(method):
     recording, _ = simulate("joint", 3, ideal=True)
     assert recording.table is not None
     t = recording.table.t
@@ -119,7 +117,7 @@ def test_a_gap_of_the_table_stream_passes_no_unit(method) -> None:
 
 
 @METHODS
-def test_segments_left_out_for_null_rows_are_named_with_their_number(ideal_run, method) -> None:
+def test_segments_left_out_for_null_rows_are_named_with_their_number(ideal_run, method):
     run = without(ideal_run(), GYRO, lambda s: s.name == "rest_y")
     text = [r.en for r in by(method, run).remarks if r.code == "null_rows"]
     assert text == [

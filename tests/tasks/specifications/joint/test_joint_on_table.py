@@ -42,7 +42,7 @@ def without_latitude(recording: Recording) -> Recording:
 
 
 @pytest.fixture(scope="module")
-def results(plant: Callable[[str], Recording]) -> Callable[[str], tuple[Calibration, Calibration]]:
+def results(plant) -> Callable[[str], tuple[Calibration, Calibration]]:
     """Both methods on a simulated recording, computed once."""
 
     @cache
@@ -92,7 +92,7 @@ def planted(base: float, scale: float, seed: int) -> np.ndarray:
     return base * np.eye(3) + scale * np.random.default_rng(seed).standard_normal((3, 3))
 
 
-def test_both_methods_give_the_same_of_an_ideal_run(ideal_run) -> None:
+def test_both_methods_give_the_same_of_an_ideal_run(ideal_run):
     p = planted(0.0, 1e-3, 5)
     np.fill_diagonal(p, 0.0)
     recording = ideal_run(
@@ -107,13 +107,13 @@ def test_both_methods_give_the_same_of_an_ideal_run(ideal_run) -> None:
     assert found.items["accel_rate_sensitivity"].value_model == pytest.approx(model, abs=3e-7)
 
 
-def test_both_methods_agree_on_clean_data_within_their_uncertainties(results) -> None:
+def test_both_methods_agree_on_clean_data_within_their_uncertainties(results):
     off = off_the_clauses(*results("plant_clean"))
     assert len(off) == 42
     assert max(map(abs, off.values())) < 1.0
 
 
-def test_where_the_rests_refute_earth_rotation_it_is_not_taken_off(results, plant, shared) -> None:
+def test_where_the_rests_refute_earth_rotation_it_is_not_taken_off(results, plant, shared):
     """The clean plant stands on an Earth that does not turn, whatever its latitude."""
     found, clauses = results("plant_clean")
     gravity = plant("plant_clean").manifest.station.gravity_m_s2
@@ -131,7 +131,7 @@ def without_heading(recording: Recording) -> Recording:
 
 def test_the_horizontal_part_of_earth_rotation_is_no_scatter_where_north_is_not_told(
     results, plant
-) -> None:
+):
     """The pairs at 180° cancel it: the uncertainties stay those of the noise, within twice."""
     result = results("plant_earth_rotation")[0]
     blind = by_joint(without_heading(plant("plant_earth_rotation")))
@@ -142,7 +142,7 @@ def test_the_horizontal_part_of_earth_rotation_is_no_scatter_where_north_is_not_
             assert u < 2.0 * result.items[name].u[element], (name, element)
 
 
-def test_without_a_latitude_clean_data_follow_the_model_within_their_noise(plant, shared) -> None:
+def test_without_a_latitude_clean_data_follow_the_model_within_their_noise(plant, shared):
     """The clean plant stands on an Earth that does not turn: nothing may be removed."""
     recording = without_latitude(plant("plant_clean"))
     found = by_joint(recording)
@@ -153,7 +153,7 @@ def test_without_a_latitude_clean_data_follow_the_model_within_their_noise(plant
     assert set(found.items["gyro_g_sensitivity"].value_without_earth_rotation.values()) == {None}
 
 
-def test_earth_rotation_is_not_in_the_g_sensitivity(results, shared, plant) -> None:
+def test_earth_rotation_is_not_in_the_g_sensitivity(results, shared, plant):
     found, clauses = results("plant_earth_rotation")
     gravity = plant("plant_earth_rotation").manifest.station.gravity_m_s2
     off = off_the_truth(shared, "plant_earth_rotation", found, gravity)
@@ -175,7 +175,7 @@ def test_earth_rotation_is_not_in_the_g_sensitivity(results, shared, plant) -> N
 @pytest.mark.parametrize(
     "name", ["plant_tilt_and_temperature", "plant_time_offset", "plant_unlisted"]
 )
-def test_omitted_physics_leaves_every_item_with_a_value(plant, name: str) -> None:
+def test_omitted_physics_leaves_every_item_with_a_value(plant, name):
     found = by_joint(plant(name))
     values = [value for item in found.items.values() for value in item.value.values()]
     assert len(values) == 42
@@ -183,7 +183,7 @@ def test_omitted_physics_leaves_every_item_with_a_value(plant, name: str) -> Non
     assert not found.unavailable
 
 
-def test_every_uncertainty_is_a_budget_with_the_equipment_in_it(results) -> None:
+def test_every_uncertainty_is_a_budget_with_the_equipment_in_it(results):
     items = results("plant_earth_rotation")[0].items
     for name, item in items.items():
         assert item.uncertainty_kind == "GUM"
@@ -199,7 +199,7 @@ def test_every_uncertainty_is_a_budget_with_the_equipment_in_it(results) -> None
     assert {"u_A", "g"} <= symbols["accel_scale_factor"]
 
 
-def test_type_b_agrees_with_that_of_the_clauses_where_the_clauses_are_the_same(results) -> None:
+def test_type_b_agrees_with_that_of_the_clauses_where_the_clauses_are_the_same(results):
     found, clauses = results("plant_clean")
 
     def contribution(calibration: Calibration, name: str, element: str, symbol: str) -> float:
@@ -216,7 +216,7 @@ def test_type_b_agrees_with_that_of_the_clauses_where_the_clauses_are_the_same(r
         assert ours > 0
 
 
-def test_conditions_of_the_claims_are_remarks(results, real) -> None:
+def test_conditions_of_the_claims_are_remarks(results, real):
     text = codes(results("plant_clean")[0])
     assert {"orientations_not_turned", "rates_not_rising", "earth_rotation_not_shown"} <= text
     few = by_joint(real("vn200_imu0_rate_table"))
@@ -226,7 +226,7 @@ def test_conditions_of_the_claims_are_remarks(results, real) -> None:
     assert remark.blocks_pass
 
 
-def test_vn200_gives_the_gyro_from_the_turns_and_the_accelerometers_from_the_rests(real) -> None:
+def test_vn200_gives_the_gyro_from_the_turns_and_the_accelerometers_from_the_rests(real):
     found, clauses = (method(real("vn200_imu0_rate_table")) for method in (by_joint, by_clauses))
     for name in ("gyro_scale_factor", "gyro_cross_coupling", "gyro_fit_offset"):
         assert found.items[name].value == pytest.approx(clauses.items[name].value, abs=3e-5)
@@ -239,9 +239,7 @@ def test_vn200_gives_the_gyro_from_the_turns_and_the_accelerometers_from_the_res
         assert name in found.unavailable
 
 
-def test_ln100_has_its_g_sensitivity_without_earth_rotation_and_null_where_north_is_needed(
-    real,
-) -> None:
+def test_ln100_has_its_g_sensitivity_without_earth_rotation_and_null_where_north_is_needed(real):
     found = by_joint(real("ln100_two_position"))
     item = found.items["gyro_g_sensitivity"]
     assert item.value["xx"] * 3600 == pytest.approx(0.03, abs=0.005)
@@ -250,7 +248,7 @@ def test_ln100_has_its_g_sensitivity_without_earth_rotation_and_null_where_north
     assert {"north_unknown", "scale_factor_assumed", "positions_missing"} <= codes(found)
 
 
-def test_labels_that_gravity_contradicts_are_not_believed(real) -> None:
+def test_labels_that_gravity_contradicts_are_not_believed(real):
     found = by_joint(real("vn200_57630_six_position"))
     assert "axes" in {r.code for r in found.remarks if r.run == "invalid"}
     ideal = {"x": 1.0, "y": 1.0, "z": 1.0}
@@ -271,7 +269,7 @@ def by_imucal(recording: Recording, cut: int) -> tuple[np.ndarray, np.ndarray, n
     return theirs.K_g @ theirs.R_g, theirs.b_g, theirs.K_a @ theirs.R_a
 
 
-def test_ferraris_session_lies_within_the_spread_of_imucal(real) -> None:
+def test_ferraris_session_lies_within_the_spread_of_imucal(real):
     """The spread: what imucal's answer moves by when the turns by hand end 50 ms earlier."""
     recording = real("ferraris_session")
     found = by_joint(recording).items
@@ -287,11 +285,11 @@ def test_ferraris_session_lies_within_the_spread_of_imucal(real) -> None:
     )
 
 
-def test_a_recording_that_never_rests_nor_turns_steadily_has_reasons_only(real) -> None:
+def test_a_recording_that_never_rests_nor_turns_steadily_has_reasons_only(real):
     found = by_joint(real("encoder_mpu6050_pitch_slow"))
     assert set(found.unavailable) == set(found.items)
 
 
-def test_accumulated_angles_belong_to_another_method(plant) -> None:
+def test_accumulated_angles_belong_to_another_method(plant):
     with pytest.raises(Unusable, match="--method jjf1536"):
         by_joint(plant("ahrs_clean"))

@@ -43,7 +43,7 @@ def off(joint: Joint, name: str, true: np.ndarray) -> np.ndarray:
     return (np.array([e.value for e in found]) - true) / u
 
 
-def test_a_temperature_term_is_estimated_beside_the_standards() -> None:
+def test_a_temperature_term_is_estimated_beside_the_standards():
     planted, recording = unit(), patent_run(unit())
     count = len(recording.manifest.segments or ())
     temperature = 25.0 + 10.0 * np.random.default_rng(5).random(count)
@@ -55,7 +55,7 @@ def test_a_temperature_term_is_estimated_beside_the_standards() -> None:
     assert np.abs(off(joint, "gyro_matrix", planted["Kg"].ravel())).max() < 4.0
 
 
-def test_a_lever_arm_in_three_channels_has_one_set_of_parameters() -> None:
+def test_a_lever_arm_in_three_channels_has_one_set_of_parameters():
     planted = {**unit(), "P": np.zeros((3, 3))}
     recording = patent_run(planted)
     rates = np.array([
@@ -72,7 +72,7 @@ def test_a_lever_arm_in_three_channels_has_one_set_of_parameters() -> None:
     assert np.abs(off(joint, "accel_matrix", planted["Ka"].ravel())).max() < 4.0
 
 
-def test_what_the_segments_do_not_tell_apart_is_not_determined() -> None:
+def test_what_the_segments_do_not_tell_apart_is_not_determined():
     """At one temperature throughout, its bias cannot be told from the unit's."""
     recording = patent_run(unit())
     steady = np.full(len(recording.manifest.segments or ()), 31.0)
@@ -83,7 +83,7 @@ def test_what_the_segments_do_not_tell_apart_is_not_determined() -> None:
         assert all(e.determined for e in joint.estimates[name].values()), name
 
 
-def test_a_lever_arm_shows_in_gyros_that_feel_acceleration() -> None:
+def test_a_lever_arm_shows_in_gyros_that_feel_acceleration():
     """Beside the rate sensitivity, which says as much of the accelerometers as an arm does."""
     joint = solved(patent_run(unit()), (*STANDARD_TERMS, LEVER_ARM), np.zeros(54))
     assert all(e.determined for e in joint.estimates["lever_arm"].values())

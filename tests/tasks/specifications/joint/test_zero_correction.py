@@ -69,7 +69,7 @@ def codes(calibration: Calibration) -> set[str]:
     return {remark.code for remark in calibration.remarks}
 
 
-def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() -> None:
+def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims():
     planted = unit()
     found = items_only(JOINT, patent_run(planted))
     named = {
@@ -89,7 +89,7 @@ def test_the_patents_procedure_gives_every_item_and_no_remark_on_its_claims() ->
     assert not claims & codes(found)
 
 
-def test_too_few_or_falling_rates_are_remarked() -> None:
+def test_too_few_or_falling_rates_are_remarked():
     few = items_only(JOINT, patent_run(unit(), (20.0, 300.0)))
     assert "number_of_rates" in codes(few)
     falling = items_only(JOINT, patent_run(unit(), RATES[::-1]))
@@ -113,7 +113,7 @@ def corrected(rates: np.ndarray, forces: np.ndarray, *rest: np.ndarray) -> Solve
     return zero_corrected(design, roles, *rest)
 
 
-def test_repeating_the_two_steps_ends_where_the_operator_is() -> None:
+def test_repeating_the_two_steps_ends_where_the_operator_is():
     """Step 1 with the g-sensitivity put in, step 2 with step 1 put in, from nothing, by hand."""
     rates, forces, covariance = drawn(1)
     means = np.random.default_rng(2).standard_normal(32)
@@ -139,7 +139,7 @@ def _from_rests(ones: np.ndarray, forces: np.ndarray, weight: np.ndarray) -> np.
     return np.linalg.solve(design.T @ weight @ design, design.T @ weight)
 
 
-def test_what_is_put_in_comes_out_of_the_operator() -> None:
+def test_what_is_put_in_comes_out_of_the_operator():
     rates, forces, covariance = drawn(4)
     k, b, g = np.array([1.0, 0.01, -0.02]), 0.3, np.array([0.1, -0.2, 0.05])
     means = rates @ k + b + forces @ g
@@ -149,7 +149,7 @@ def test_what_is_put_in_comes_out_of_the_operator() -> None:
     assert all(excess.factor == 1.0 for excess in solved.excess)
 
 
-def test_without_rests_the_turns_alone_give_the_scale_factors() -> None:
+def test_without_rests_the_turns_alone_give_the_scale_factors():
     rates, forces, covariance = drawn(5)
     means = rates @ [1.0, 0.01, -0.02] + 0.3
     none = np.zeros(32, bool)
@@ -158,14 +158,14 @@ def test_without_rests_the_turns_alone_give_the_scale_factors() -> None:
     assert np.isnan(solved.operator[3:]).all()
 
 
-def test_means_that_drift_together_count_less() -> None:
+def test_means_that_drift_together_count_less():
     ones, means = np.ones((3, 1)), np.zeros(3)
     together = np.array([[1.0, 0.99, 0.0], [0.99, 1.0, 0.0], [0.0, 0.0, 1.0]])
     weights = least_squares(ones, np.ones(3, bool), means, together).operator[0]
     assert weights == pytest.approx([0.25, 0.25, 0.5], abs=0.01)
 
 
-def test_a_channel_that_stood_still_is_not_the_truth() -> None:
+def test_a_channel_that_stood_still_is_not_the_truth():
     ones, means = np.ones((4, 1)), np.zeros(4)
     weights = least_squares(ones, np.ones(4, bool), means, np.diag([0.0, 1.0, 1.0, 1.0])).operator
     assert weights[0, 0] < 0.8

@@ -25,7 +25,7 @@ RAW = {"gyro": "65.5/dps", "accel": "4096/g"}
 
 
 @pytest.fixture(autouse=True)
-def without_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
+def without_pictures(monkeypatch) -> None:
     monkeypatch.setattr(logger_table, "draw_recording", lambda _recording, path: path)
 
 
@@ -82,9 +82,7 @@ def codes(doubts: Sequence[Remark]) -> list[str]:
         (ACCEL, (327.67, 327.67, 327.67), slice(0, None, 2)),
     ],
 )
-def test_marks_of_no_data_are_left_out_exactly(
-    tmp_path: Path, triad: tuple[str, ...], mark: tuple[float, ...], rows: slice
-) -> None:
+def test_marks_of_no_data_are_left_out_exactly(tmp_path, triad, mark, rows):
     one = made(11, 50.0)
     values = readings(one)
     first = 0 if triad is GYRO else 3
@@ -109,8 +107,8 @@ def test_marks_of_no_data_are_left_out_exactly(
     ],
 )
 def test_a_step_of_the_clock_is_taken_out_where_no_row_is_missing(
-    tmp_path: Path, step: float, place: float, unit: str, factor: float
-) -> None:
+    tmp_path, step, place, unit, factor
+):
     one = made(12)
     stamps = one.t + 5000.0 + step * (np.arange(len(one.t)) >= place * len(one.t))
     found, doubts = understood(
@@ -122,9 +120,7 @@ def test_a_step_of_the_clock_is_taken_out_where_no_row_is_missing(
 
 
 @pytest.mark.parametrize(("lost", "place", "again"), [(3.1, 0.35, True), (6.4, 0.62, False)])
-def test_a_restart_is_two_turn_ons_and_the_labels_tell_what_passed(
-    tmp_path: Path, lost: float, place: float, again: bool
-) -> None:
+def test_a_restart_is_two_turn_ons_and_the_labels_tell_what_passed(tmp_path, lost, place, again):
     one = made(13)
     cut = int(place * len(one.t))
     rows = np.r_[0:cut, cut + round(lost * 50.0) : len(one.t)]
@@ -143,7 +139,7 @@ def test_a_restart_is_two_turn_ons_and_the_labels_tell_what_passed(
 
 
 @pytest.mark.parametrize("named", [True, False])
-def test_devices_that_take_turns_are_asked_for(tmp_path: Path, named: bool) -> None:
+def test_devices_that_take_turns_are_asked_for(tmp_path, named):
     one, other = made(14, 50.0), made(14, 50.0)
     other.accel, other.gyro = other.accel * 1.02 + 0.1, other.gyro * 1.01 - 0.01
     both = np.empty((2 * len(one.t), 6))
@@ -155,7 +151,7 @@ def test_devices_that_take_turns_are_asked_for(tmp_path: Path, named: bool) -> N
         understood(tmp_path, one, table, stamps=np.repeat(one.t, 2), names=names)
 
 
-def test_a_flag_that_takes_turns_tells_no_devices_apart(tmp_path: Path) -> None:
+def test_a_flag_that_takes_turns_tells_no_devices_apart(tmp_path):
     one = made(15)
     flags = np.arange(len(one.t)) % 2
     table = np.column_stack([readings(one), flags])
@@ -163,9 +159,7 @@ def test_a_flag_that_takes_turns_tells_no_devices_apart(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize(("triad", "of", "to"), [(ACCEL, 3, (5,)), (GYRO, 1, (0, 2))])
-def test_copies_of_a_column_leave_the_triad_out(
-    tmp_path: Path, triad: tuple[str, ...], of: int, to: tuple[int, ...]
-) -> None:
+def test_copies_of_a_column_leave_the_triad_out(tmp_path, triad, of, to):
     one = made(16, 50.0)
     values = readings(one)
     values[:, list(to)] = values[:, [of]]
@@ -175,9 +169,7 @@ def test_copies_of_a_column_leave_the_triad_out(
 
 
 @pytest.mark.parametrize(("axis", "rate", "hertz"), [("y", 90.0, 200.0), ("x", -40.0, 100.0)])
-def test_rows_that_are_held_in_one_motion_make_it_suspect(
-    tmp_path: Path, axis: str, rate: float, hertz: float
-) -> None:
+def test_rows_that_are_held_in_one_motion_make_it_suspect(tmp_path, axis, rate, hertz):
     one = made(17, hertz)
     label = next(s for s in one.labels if s.get("rate_deg_s") == rate and s.get("axis") == axis)
     values, rng = readings(one, 2), np.random.default_rng(1)
@@ -189,7 +181,7 @@ def test_rows_that_are_held_in_one_motion_make_it_suspect(
     assert doubts[0].segments == (label["name"],)
 
 
-def test_a_coarse_log_is_one_sentence_with_a_count(tmp_path: Path) -> None:
+def test_a_coarse_log_is_one_sentence_with_a_count(tmp_path):
     one = made(18)
     values = readings(one)
     values[:, :3] = np.round(values[:, :3] / 0.5) * 0.5
@@ -202,9 +194,7 @@ def test_a_coarse_log_is_one_sentence_with_a_count(tmp_path: Path) -> None:
     ("first", "factor", "code"), [(0, 0.8, "rate_setting"), (0, 1.22, "rate_setting"),
                                   (3, 0.82, "force_setting"), (3, 13.9, "force_unit")]
 )  # fmt: skip
-def test_a_factor_of_a_triad_is_told_and_no_unit_is_made_up(
-    tmp_path: Path, first: int, factor: float, code: str
-) -> None:
+def test_a_factor_of_a_triad_is_told_and_no_unit_is_made_up(tmp_path, first, factor, code):
     one = made(19)
     values = readings(one)
     values[:, first : first + 3] *= factor
@@ -216,9 +206,7 @@ def test_a_factor_of_a_triad_is_told_and_no_unit_is_made_up(
 @pytest.mark.parametrize(
     ("degrees", "about"), [(45.0, (0, 0, 1)), (30.0, (1, 1, 0)), (-55.0, (1, 0, 0))]
 )
-def test_a_unit_turned_by_what_no_exchange_of_axes_is_is_told(
-    tmp_path: Path, degrees: float, about: tuple[int, int, int]
-) -> None:
+def test_a_unit_turned_by_what_no_exchange_of_axes_is_is_told(tmp_path, degrees, about):
     one = made(20)
     x, y, z = np.array(about) / np.linalg.norm(about)
     cross = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
@@ -233,7 +221,7 @@ def test_a_unit_turned_by_what_no_exchange_of_axes_is_is_told(
 
 
 @pytest.mark.parametrize(("bits", "alone"), [(15, False), (16, True)])
-def test_offset_binary_is_taken_off_exactly(tmp_path: Path, bits: int, alone: bool) -> None:
+def test_offset_binary_is_taken_off_exactly(tmp_path, bits, alone):
     one = made(21)
     right = counts(one)
     table = right + 2.0**bits * np.array([not alone] * 3 + [True] * 3)
@@ -245,7 +233,7 @@ def test_offset_binary_is_taken_off_exactly(tmp_path: Path, bits: int, alone: bo
 
 
 @pytest.mark.parametrize("places", [1, -1])
-def test_fields_that_lie_one_too_far_are_told(tmp_path: Path, places: int) -> None:
+def test_fields_that_lie_one_too_far_are_told(tmp_path, places):
     one = made(22)
     table = np.roll(counts(one), places, axis=1)
     _, doubts = understood(tmp_path, one, table, names=COUNTS, units=RAW)
@@ -253,14 +241,14 @@ def test_fields_that_lie_one_too_far_are_told(tmp_path: Path, places: int) -> No
 
 
 @pytest.mark.parametrize("ticks", [32768.0, 40000.0, 15360.0])
-def test_stamps_in_ticks_are_asked_for(tmp_path: Path, ticks: float) -> None:
+def test_stamps_in_ticks_are_asked_for(tmp_path, ticks):
     one = made(23)
     with pytest.raises(Unusable, match=r"may count ticks|in which unit"):
         understood(tmp_path, one, readings(one), stamps=np.rint(one.t * ticks), time="count_t")
 
 
 @pytest.mark.parametrize("seed", range(10))
-def test_a_table_without_a_fault_is_let_be(tmp_path: Path, seed: int) -> None:
+def test_a_table_without_a_fault_is_let_be(tmp_path, seed):
     rng = np.random.default_rng(seed)
     one = made(seed, (100.0, 20.0, 125.0, 50.0, 10.0)[seed % 5], poor=1.0 + seed % 2)
     values = readings(one, (4, 3)[seed % 2])

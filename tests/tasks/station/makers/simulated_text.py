@@ -4,6 +4,7 @@ The product's own driver talks to the emulated controller through a port in pyse
 """
 
 import asyncio
+import math
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -21,11 +22,11 @@ from tasks.station.drivers.table import DescribedTable
 from tasks.station.drivers.text_device import TextBackend, TextLink
 from tasks.station.drivers.unit import UnitDriver
 from tasks.station.ports import Climate
-from tasks.station.virtual.config import VirtualStation, station_file
+from tasks.station.virtual.config import AXIS_STATUS, MODES, VirtualStation, station_file
 from tasks.station.virtual.simulation import Simulation
+from tasks.station.virtual.table import Profile, VirtualTable
 from tests.simulated_time import run_simulated
 from tests.tasks.station.in_memory import InMemoryLine
-from tests.tasks.station.makers.motion import Axes
 
 SLICE_S = 0.1  # in which time passes where nobody asks
 STEPS_S = 1000
@@ -115,6 +116,62 @@ class EmulatedLink(TextLink):
         return answer
 
 
+# Axes that turn as the virtual table's do, by what a controller's language tells them.
+
+
+PIECES = 200  # of a period
+
+
+class Axes:
+    """The drives of a table in the units of its controllers, deg and deg/s; `sin` turns to and fro.
+
+    Angles run on past whole turns.
+    """
+
+    def __init__(self, table: VirtualTable) -> None:
+        self.table = table
+        self.count = len(table.drives)
+
+    def angle(self, axis: int) -> float:
+        """What the encoder shows."""
+        counts = int(self.table.counts(self.table.angle)[axis])
+        return 360.0 * counts / self.table.design.counts_per_turn
+
+    def rate(self, axis: int) -> float:
+        return math.degrees(self.table.rate[axis])
+
+    def is_moving(self, axis: int) -> bool:
+        return bool(self.table.axis_status(axis) & AXIS_STATUS["moving"])
+
+    def go(self, axis: int, angle: float, rate: float, acceleration: float) -> None:
+        self.table.drives[axis].target_angle = math.radians(angle)
+        self._start(axis, "angle", rate, acceleration)
+
+    def turn(self, axis: int, rate: float, acceleration: float) -> None:
+        self._start(axis, "rate", rate, acceleration)
+
+    def swing(self, axis: int, amplitude: float, frequency: float, cycles: int) -> None:
+        """A sinusoid about where it stands, drawn as pieces of constant acceleration."""
+        drive, now = self.table.drives[axis], self.table.now
+        start = float(drive.profile.at(np.array([now]))[0][0])
+        t = np.linspace(0.0, cycles / frequency, PIECES * cycles + 1)
+        rate = math.radians(amplitude) * 2.0 * np.pi * frequency * np.cos(2 * np.pi * frequency * t)
+        rate *= np.minimum(1.0, 4.0 * np.minimum(t, t[-1] - t) * frequency)  # in and out
+        change = np.append(np.diff(rate) / np.diff(t), 0.0)
+        turned = np.concatenate([[0.0], np.cumsum(0.5 * (rate[1:] + rate[:-1]) * np.diff(t))])
+        drive.profile = Profile(now + t, start + turned, rate, change)
+        drive.mode, drive.setpoint = MODES["rate"], 0.0
+
+    def halt(self, axis: int) -> None:
+        self.table.command(axis, MODES["stop"])
+
+    def _start(self, axis: int, mode: str, rate: float, acceleration: float) -> None:
+        drive = self.table.drives[axis]
+        drive.target_rate = math.radians(rate)
+        drive.acceleration_limit = math.radians(acceleration)
+        self.table.command(axis, MODES[mode])
+
+
 class Air:
     """A thermometer that reports no time."""
 
@@ -192,3 +249,231 @@ class EmulatedStation:
 
 async def _here(work: Any) -> None:
     await work
+
+
+# A controller of tables that takes `:mode:pos 1`, `:dem:pos 1,45`, `:read:pos? 1;rate? 1`.
+#
+# Written from how public programs talk to such tables: short and long words in any case, commands
+# without an answer, a status register that is asked for errors, an interlock for each axis, limits
+# for each mode, angles within a turn that are reached the short way. One that comes too soon after
+# the one before is not taken. With a header, every line has an answer and every answer the header.
+
+
+WORDS = ("mode", "demand", "limit", "interlock", "read", "position", "rate", "acceleration")
+CONTROL_MODES = ("off", "position", "rate")
+COMMAND_ERROR, EXECUTION_ERROR = 32, 16  # bits of the event status register, IEEE 488.2
+
+
+class ColonMaker:
+    """now: seconds, by which a line is too soon. `refused` has what it did not understand."""
+
+    terminator = b"\n"
+
+    def __init__(
+        self, axes: Axes, now: Callable[[], float], needs_s: float = 0.0, header: str = ""
+    ) -> None:
+        self._axes, self._now, self._needs_s, self._header = axes, now, needs_s, header
+        self._taken_s = -1e9
+        self.is_closed = [False] * axes.count
+        self.mode = ["off"] * axes.count
+        self.limits = {
+            (what, mode, axis): most
+            for what, most in (("rate", 400.0), ("acceleration", 200.0))
+            for mode in CONTROL_MODES
+            for axis in range(axes.count)
+        }
+        self.errors = 0
+        self.refused: list[str] = []
+
+    def hear(self, line: bytes) -> bytes:
+        """The answer to a line; nothing where it has none."""
+        text = line.decode("ascii", "replace").strip()
+        if "?" in text:
+            return self._written(";".join(self._asked(text)))
+        if self._now() - self._taken_s < self._needs_s - 1e-6:
+            self._wrong(text, EXECUTION_ERROR)
+        else:
+            self._taken_s = self._now()
+            try:
+                self._commanded(text)
+            except (ValueError, KeyError, IndexError):
+                self._wrong(text, COMMAND_ERROR)
+        return self._written("") if self._header else b""
+
+    def _written(self, text: str) -> bytes:
+        return f"{self._header}{text}\r\n".encode()
+
+    def _wrong(self, text: str, error: int) -> None:
+        self.errors |= error
+        self.refused.append(text)
+
+    def _asked(self, text: str) -> list[str]:
+        if text.lower() == "*idn?":
+            return ["EMULATED,COLON-3,0001,1.0"]
+        if text.lower() == "*esr?":
+            errors, self.errors = self.errors, 0
+            return [str(errors)]
+        answers, path = [], ""
+        for part in text.split(";"):
+            head, _, number = part.partition("? ")
+            *above, last = head.strip(":").split(":")
+            path = above[0] if above else path
+            axis = int(number) - 1
+            match _whole(path or last), _whole(last):
+                case "read", "position":
+                    answers.append(f"{self._axes.angle(axis) % 360.0:.4f}")
+                case "read", "rate":
+                    answers.append(f"{self._axes.rate(axis):.4f}")
+                case "interlock", _:
+                    answers.append("Closed" if self.is_closed[axis] else "Open")
+                case _:
+                    self._wrong(text, COMMAND_ERROR)
+        return answers
+
+    def _commanded(self, text: str) -> None:
+        head, _, rest = text.partition(" ")
+        words, values = [_whole(word) for word in head.strip(":").split(":")], rest.split(",")
+        match words:
+            case ["interlock", "reset"]:
+                self.errors = 0
+            case ["interlock", "close" | "open" as state]:
+                self.is_closed[int(values[0]) - 1] = state == "close"
+                if state == "open":
+                    self._switch(int(values[0]) - 1, "off")
+            case ["mode", mode] if mode in CONTROL_MODES:
+                self._switch(int(values[0]) - 1, mode)
+            case ["limit", what] if what in ("rate", "acceleration"):
+                self._limit(what, _whole(values[0]), int(values[1]) - 1, float(values[2]))
+            case ["demand", what]:
+                self._demand(what, int(values[0]) - 1, float(values[1]))
+            case _:
+                raise ValueError(text)
+
+    def _switch(self, axis: int, mode: str) -> None:
+        if mode != "off" and not self.is_closed[axis]:
+            raise ValueError("interlock open")
+        if mode != self.mode[axis]:
+            self._axes.halt(axis)
+        self.mode[axis] = mode
+
+    def _limit(self, what: str, mode: str, axis: int, most: float) -> None:
+        if (what, mode, axis) not in self.limits or most <= 0.0:
+            raise ValueError("no such limit")
+        self.limits[what, mode, axis] = most
+
+    def _demand(self, what: str, axis: int, value: float) -> None:
+        if self.mode[axis] != what:
+            raise ValueError("another mode")
+        acceleration = self.limits["acceleration", what, axis]
+        if what == "rate":
+            self._axes.turn(axis, value, acceleration)
+            return
+        if not 0.0 <= value <= 360.0:
+            raise ValueError("not within a turn")
+        now = self._axes.angle(axis)
+        away = (value - now + 180.0) % 360.0 - 180.0  # half a turn goes backwards
+        self._axes.go(axis, now + away, self.limits["rate", what, axis], acceleration)
+
+
+def _whole(word: str) -> str:
+    """A word from its first three or more letters, or as it is."""
+    word = word.strip().lower()
+    return next((each for each in WORDS if len(word) > 2 and each.startswith(word)), word)
+
+
+# A controller of tables that takes HOM, SRV, ACL, VEL, PPO, JOG and STO, and ends with a prompt.
+#
+# Written from how public programs talk to such tables: three letters, the axis, a carriage return;
+# every line is answered, with a number where it asks for one and with the prompt alone where it was
+# taken. An error stands as ?NN before the prompt. Angles are counts of a counter that turns over.
+
+
+COUNT_DEG = 1e-4
+COUNTER_BITS = 26
+UNKNOWN, NOT_READY, NO_NUMBER = 1, 2, 3
+
+
+class LettersMaker:
+    """`refused` has what it did not understand. The prompt stands at the end of every answer."""
+
+    terminator = b"\r"
+    prompt = "\r\n>"
+
+    def __init__(self, axes: Axes, names: str = "ABC") -> None:
+        self._axes, self._names = axes, names
+        self.speed = [10.0] * axes.count
+        self.acceleration = [10.0] * axes.count
+        self.is_on = [False] * axes.count
+        self.is_homed = [False] * axes.count
+        self.refused: list[str] = []
+
+    def hear(self, line: bytes) -> bytes:
+        """The answer to a line, its prompt with it."""
+        text = line.decode("ascii", "replace").strip()
+        answer = self._answer(text)
+        if answer.startswith("?"):
+            self.refused.append(text)
+        return f"{answer}{self.prompt}".encode()
+
+    def _answer(self, text: str) -> str:
+        match text.split():
+            case [command, name, *numbers] if name in self._names:
+                axis = self._names.index(name)
+            case _:
+                return f"?{UNKNOWN:02d}"
+        try:
+            value = None if not numbers or "," in numbers[0] else float(numbers[0])
+        except ValueError:
+            return f"?{NO_NUMBER:02d}"
+        if command == "SIN":
+            return self._swung(axis, numbers)
+        return (
+            self._asked(command, axis) if "?" in command else self._commanded(command, axis, value)
+        )
+
+    def _swung(self, axis: int, numbers: list[str]) -> str:
+        if not self.is_on[axis] or not numbers:
+            return f"?{NOT_READY:02d}"
+        amplitude, frequency, cycles = numbers[0].split(",")
+        self._axes.swing(axis, float(amplitude), float(frequency), int(cycles))
+        return ""
+
+    def _asked(self, command: str, axis: int) -> str:
+        match command:
+            case "PPO?":
+                counts, half = round(self._axes.angle(axis) / COUNT_DEG), 2 ** (COUNTER_BITS - 1)
+                return str((counts + half) % (2 * half) - half)
+            case "VEL?":
+                return f"{self._axes.rate(axis):.4f}"
+            case "STA?":
+                return f"{self.is_homed[axis] << 1 | self.is_on[axis]:02X}"
+        return f"?{UNKNOWN:02d}"
+
+    def _commanded(self, command: str, axis: int, value: float | None) -> str:
+        if command == "STO":
+            self._axes.halt(axis)
+            return ""
+        if command == "HOM":
+            if not self.is_on[axis]:
+                return f"?{NOT_READY:02d}"
+            self._axes.go(axis, 0.0, self.speed[axis], self.acceleration[axis])
+            self.is_homed[axis] = True
+            return ""
+        if value is None:
+            return f"?{NO_NUMBER:02d}"
+        match command:
+            case "SRV":
+                self.is_on[axis] = value == 1
+                if not self.is_on[axis]:
+                    self._axes.halt(axis)
+            case "ACL":
+                self.acceleration[axis] = value
+            case "VEL":
+                self.speed[axis] = value
+            case "PPO" if self.is_homed[axis]:
+                self._axes.go(axis, value * COUNT_DEG, self.speed[axis], self.acceleration[axis])
+            case "JOG" if self.is_on[axis]:
+                self._axes.turn(axis, value, self.acceleration[axis])
+            case _:
+                return f"?{NOT_READY:02d}"
+        return ""

@@ -25,11 +25,15 @@ from tasks.station.check_devices import check_station
 from tasks.station.virtual.config import TableDesign, truth, virtual_station
 from tasks.station.virtual.table import VirtualTable
 from tests.proof.station import shortened
-from tests.tasks.station.makers.colon_maker import ColonMaker
-from tests.tasks.station.makers.letters_maker import LettersMaker
 from tests.tasks.station.makers.modbus_maker import listening
-from tests.tasks.station.makers.motion import Axes
-from tests.tasks.station.makers.simulated_text import Controller, EmulatedStation, Line
+from tests.tasks.station.makers.simulated_text import (
+    Axes,
+    ColonMaker,
+    Controller,
+    EmulatedStation,
+    LettersMaker,
+    Line,
+)
 from tests.tasks.station.makers.text_maker import thermometer
 from tests.tasks.station.sample_stations import sample
 

@@ -25,7 +25,7 @@ RATE_HZ = 100
 
 
 @pytest.fixture
-def brisk(short: Procedure) -> Procedure:
+def brisk(short) -> Procedure:
     """The short procedure for a table that is not simulated faster than wall time."""
     steps = [step.model_dump() | {"dwell_s": 0.5} for step in short.steps]
     changes = {"steps": steps, "warm_up_s": 0.2, "settle_s": 0.1, "move_rate_deg_s": 400.0}

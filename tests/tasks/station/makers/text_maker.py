@@ -2,8 +2,7 @@
 
 import socketserver
 
-from tests.tasks.station.makers.drive import Drive
-from tests.tasks.station.makers.modbus_maker import listening
+from tests.tasks.station.makers.modbus_maker import Drive, listening
 
 AXES = "ABC"
 

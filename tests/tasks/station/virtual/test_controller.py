@@ -229,7 +229,7 @@ def test_an_idle_station_wakes_seldom_and_its_time_is_the_present_one_for_whoeve
     assert len(slices) < 1000  # of 4000, were it not idle
 
 
-def test_a_machine_that_comes_late_slows_its_clock_and_soon_takes_it_up_again(caplog) -> None:
+def test_a_machine_that_comes_late_slows_its_clock_and_soon_takes_it_up_again(caplog):
     pace = Pace(60.0)
     pace.note(0.001, 0.005, 0.05)
     assert pace.speed == 60.0

@@ -8,7 +8,7 @@ from schemas.base import Unusable
 from tasks.station.virtual.config import AXIS_STATUS, MODES, TABLE_STATUS, VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault, condition
 from tasks.station.virtual.simulation import Simulation
-from tests.tasks.station.in_thread import serving
+from tests.tasks.station.over_sockets import serving
 
 SPEED = 20.0
 SETTLED = AXIS_STATUS["settled"]

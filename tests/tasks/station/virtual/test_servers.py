@@ -22,7 +22,7 @@ from tasks.station.virtual.config import (
 )
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import running
-from tests.tasks.station.in_thread import serving
+from tests.tasks.station.over_sockets import serving
 
 SETTLED, MOVING, WATCHDOG = 4, 2, 64
 

@@ -30,7 +30,7 @@ def book(path: Path, sheet: str) -> Path:
     return path
 
 
-def test_texts_gaps_formulas_and_dates_are_read(tmp_path: Path) -> None:
+def test_texts_gaps_formulas_and_dates_are_read(tmp_path):
     rows = [line.split("\t") for line in read(book(tmp_path / "log.xlsx", SHEET)).lines]
     assert rows == [
         ["Time", "", "gyro x"],
@@ -39,7 +39,7 @@ def test_texts_gaps_formulas_and_dates_are_read(tmp_path: Path) -> None:
     ]
 
 
-def test_what_is_no_workbook_is_one_sentence(tmp_path: Path) -> None:
+def test_what_is_no_workbook_is_one_sentence(tmp_path):
     (tmp_path / "log.xlsx").write_text("t,gx")
     with pytest.raises(Unusable, match="no xlsx workbook"):
         read(tmp_path / "log.xlsx")
