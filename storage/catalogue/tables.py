@@ -1,6 +1,7 @@
 """The tables of the catalogue; storage/catalogue/migrations creates them."""
 
 from datetime import UTC, datetime
+from typing import Any
 
 import sqlalchemy as sql
 
@@ -21,265 +22,274 @@ class Utc(sql.TypeDecorator[datetime]):
 
 
 CHANNELS = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")  # rad/s, m/s²
-KINDS = {"text": sql.Text, "integer": sql.Integer, "float": sql.Float, "boolean": sql.Boolean,
-         "date": sql.Date, "moment": Utc}  # fmt: skip
 
 
-def catalogue() -> sql.MetaData:
-    """Tables whose constraints are named by the same rule in every database."""
-    named = {"pk": "pk_%(table_name)s", "fk": "fk_%(table_name)s_%(column_0_N_name)s"}
-    of_columns = {kind: f"{kind}_%(table_name)s_%(column_0_N_name)s" for kind in ("uq", "ix")}
-    return sql.MetaData(naming_convention=named | of_columns)
+def _column(name: str, kind: Any, *more: Any, **options: Any) -> sql.Column[Any]:
+    return sql.Column(name, kind, *more, nullable=False, **options)
 
 
-def table(metadata: sql.MetaData, name: str, written: str) -> sql.Table:
-    """A table from its columns as they are written, those that are alike on one line.
-
-    “NAME, NAME: KIND” with “?” where it may be null; then “key” (of the primary key), “drawn” (a
-    key that the database gives), “unique”, “index” or “-> TABLE.COLUMN”. Of several columns
-    together: “unique: NAME, NAME” and “index: NAME, NAME”.
-    """
-    parts: list[sql.Column[object] | sql.UniqueConstraint | sql.Index] = []
-    for line in filter(None, map(str.strip, written.splitlines())):
-        first, rest = line.split(": ")
-        about, _, target = rest.partition(" -> ")
-        if first == "unique":
-            parts.append(sql.UniqueConstraint(*rest.split(", ")))
-            continue
-        if first == "index":
-            parts.append(sql.Index(None, *rest.split(", ")))
-            continue
-        kind, *flags = about.split()
-        parts += [
-            sql.Column(
-                each, KINDS[kind.rstrip("?")], *([sql.ForeignKey(target)] if target else []),
-                nullable=kind.endswith("?"), primary_key="key" in flags or "drawn" in flags,
-                autoincrement="drawn" in flags, unique="unique" in flags or None,
-                index="index" in flags or None,
-            )
-            for each in first.split(", ")
-        ]  # fmt: skip
-    return sql.Table(name, metadata, *parts)
+def _texts(*names: str) -> list[sql.Column[Any]]:
+    return [_column(name, sql.Text) for name in names]
 
 
-metadata = catalogue()
+metadata = sql.MetaData(
+    naming_convention={
+        "pk": "pk_%(table_name)s",
+        "uq": "uq_%(table_name)s_%(column_0_N_name)s",
+        "ix": "ix_%(table_name)s_%(column_0_N_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_N_name)s",
+    }
+)
 
-units = table(metadata, "units", """
-    id: integer drawn
-    manufacturer, model, serial: text
-    unique: manufacturer, model, serial
-""")  # fmt: skip
+units = sql.Table(
+    "units",
+    metadata,
+    _column("id", sql.Integer, primary_key=True),
+    *_texts("manufacturer", "model", "serial"),
+    sql.UniqueConstraint("manufacturer", "model", "serial"),
+)
 
-# `station` null: not yet read from the manifest
-runs = table(metadata, "runs", """
-    id: text key
-    digest: text unique
-    recording_id: text index
-    unit: integer index -> units.id
-    standard: text
-    imported_at: moment
-    seconds: float
-    rows: integer
-    station: text? index
-    procedure: text?
-    recorded_on: date? index
-""")  # fmt: skip
+runs = sql.Table(
+    "runs",
+    metadata,
+    _column("id", sql.Text, primary_key=True),
+    _column("digest", sql.Text, unique=True),
+    _column("recording_id", sql.Text, index=True),
+    _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
+    _column("standard", sql.Text),
+    _column("imported_at", Utc),
+    _column("seconds", sql.Float),
+    _column("rows", sql.Integer),
+    sql.Column("station", sql.Text, index=True),  # null: not yet read from the manifest
+    sql.Column("procedure", sql.Text),
+    sql.Column("recorded_on", sql.Date, index=True),
+)
 
-# measurement standards: `document` is the manifest, or a certificate
-equipment = table(metadata, "equipment", """
-    run: text key -> runs.id
-    document, name: text key
-    serial: text key index
-    certificate: text key
-""")  # fmt: skip
+equipment = sql.Table(  # measurement standards: `document` is the manifest, or a certificate
+    "equipment",
+    metadata,
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), primary_key=True),
+    _column("document", sql.Text, primary_key=True),
+    _column("name", sql.Text, primary_key=True),
+    _column("serial", sql.Text, primary_key=True, index=True),
+    _column("certificate", sql.Text, primary_key=True),
+)
 
-# the laboratory's register; `document` is the whole record
-standards = table(metadata, "standards", """
-    serial, certificate: text key
-    name: text
-    calibrated_on, valid_until: date?
-    added_at: moment
-    document: text
-""")  # fmt: skip
+standards = sql.Table(  # the laboratory's register; `document` is the whole record
+    "standards",
+    metadata,
+    _column("serial", sql.Text, primary_key=True),
+    _column("certificate", sql.Text, primary_key=True),
+    *_texts("name"),
+    *(sql.Column(name, sql.Date) for name in ("calibrated_on", "valid_until")),
+    _column("added_at", Utc),
+    _column("document", sql.Text),
+)
 
-# one content may come in from several files, as Parquet and as CSV
-sources = table(metadata, "sources", """
-    fingerprint: text key
-    run: text index -> runs.id
-    path: text
-""")  # fmt: skip
+sources = sql.Table(  # one content may come in from several files, as Parquet and as CSV
+    "sources",
+    metadata,
+    _column("fingerprint", sql.Text, primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    _column("path", sql.Text),
+)
 
-results = table(metadata, "results", """
-    id: text key
-    run: text index -> runs.id
-    method, code_version: text
-    made_at: moment
-    document: text
-    supersedes: text? unique -> results.id
-    why: text?
-""")  # fmt: skip
+results = sql.Table(
+    "results",
+    metadata,
+    _column("id", sql.Text, primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    *_texts("method", "code_version"),
+    _column("made_at", Utc),
+    _column("document", sql.Text),
+    sql.Column("supersedes", sql.Text, sql.ForeignKey("results.id"), unique=True),
+    sql.Column("why", sql.Text),
+)
 
-# `expanded`: U, which SQLite does not tell from u
-elements = table(metadata, "elements", """
-    result: text key -> results.id
-    item, element: text key
-    value, u, expanded: float?
-    k: float
-    unit: text
-""")  # fmt: skip
+elements = sql.Table(  # `expanded`: U, which SQLite does not tell from u
+    "elements",
+    metadata,
+    _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
+    _column("item", sql.Text, primary_key=True),
+    _column("element", sql.Text, primary_key=True),
+    *(sql.Column(name, sql.Float) for name in ("value", "u", "expanded")),
+    _column("k", sql.Float),
+    *_texts("unit"),
+)
 
-segments = table(metadata, "segments", """
-    result: text key -> results.id
-    number: integer key
-    name, kind, origin: text
-    up, axis: text?
-    t_start, t_end: float
-    rate_deg_s: float?
-    rows, rows_left_out: integer
-    mean_gyro_x, mean_gyro_y, mean_gyro_z, mean_accel_x, mean_accel_y, mean_accel_z: float?
-    deviation_gyro_x, deviation_gyro_y, deviation_gyro_z: float?
-    deviation_accel_x, deviation_accel_y, deviation_accel_z: float?
-""")  # fmt: skip
+segments = sql.Table(
+    "segments",
+    metadata,
+    _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    *_texts("name", "kind", "origin"),
+    *(sql.Column(name, sql.Text) for name in ("up", "axis")),
+    *(_column(name, sql.Float) for name in ("t_start", "t_end")),
+    sql.Column("rate_deg_s", sql.Float),
+    *(_column(name, sql.Integer) for name in ("rows", "rows_left_out")),
+    *(sql.Column(f"mean_{name}", sql.Float) for name in CHANNELS),
+    *(sql.Column(f"deviation_{name}", sql.Float) for name in CHANNELS),
+)
 
-# each result in brief: SQLite finds no row fast that holds a document; `terms`: those
-# adopted beside the standard's, a space between two; `verdict`: on the run; `missing`: elements
-# without a value
-outcomes = table(metadata, "outcomes", """
-    result: text key -> results.id
-    run: text -> runs.id
-    method, terms: text
-    made_at: moment
-    verdict: text
-    missing: integer
-    index: run, made_at
-""")  # fmt: skip
+outcomes = sql.Table(  # each result in brief: SQLite finds no row fast that holds a document
+    "outcomes",
+    metadata,
+    _column("result", sql.Text, sql.ForeignKey("results.id"), primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id")),
+    *_texts("method", "terms"),  # those adopted beside the standard's, a space between two
+    _column("made_at", Utc),
+    *_texts("verdict"),  # on the run
+    _column("missing", sql.Integer),  # elements without a value
+    sql.Index("ix_outcomes_run_made_at", "run", "made_at"),
+)
 
-# of the pages; `password`: its Argon2 hash
-users = table(metadata, "users", """
-    name: text key
-    role, password: text
-    added_at: moment
-""")  # fmt: skip
+users = sql.Table(  # of the pages; `password`: its Argon2 hash
+    "users",
+    metadata,
+    _column("name", sql.Text, primary_key=True),
+    *_texts("role", "password"),
+    _column("added_at", Utc),
+)
 
-# of the pages; ended_at: the logout
-sessions = table(metadata, "sessions", """
-    id: text key
-    name, address: text
-    begun_at: moment
-    ended_at: moment?
-""")  # fmt: skip
+sessions = sql.Table(  # of the pages; ended_at: the logout
+    "sessions",
+    metadata,
+    _column("id", sql.Text, primary_key=True),
+    *_texts("name", "address"),
+    _column("begun_at", Utc),
+    sql.Column("ended_at", Utc),
+)
 
-# of orders, each used once; done_at: no flow run uses it any more
-signatures = table(metadata, "signatures", """
-    nonce: text key
-    taken_at: moment
-    flow_run: text?
-    done_at: moment?
-""")  # fmt: skip
+signatures = sql.Table(  # of orders, each used once; done_at: no flow run uses it any more
+    "signatures",
+    metadata,
+    _column("nonce", sql.Text, primary_key=True),
+    _column("taken_at", Utc),
+    sql.Column("flow_run", sql.Text),
+    sql.Column("done_at", Utc),
+)
 
-# `made_again`: a result, or a run that had none
-reprocessed = table(metadata, "reprocessed", """
-    circumstances, made_again: text key
-    run: text index -> runs.id
-    before, after: text? -> results.id
-    fault: text?
-    seconds: float
-    done_at: moment
-""")  # fmt: skip
+reprocessed = sql.Table(  # `made_again`: a result, or a run that had none
+    "reprocessed",
+    metadata,
+    _column("circumstances", sql.Text, primary_key=True),
+    _column("made_again", sql.Text, primary_key=True),
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+    sql.Column("before", sql.Text, sql.ForeignKey("results.id")),
+    sql.Column("after", sql.Text, sql.ForeignKey("results.id")),
+    sql.Column("fault", sql.Text),
+    _column("seconds", sql.Float),
+    _column("done_at", Utc),
+)
 
-# of certificate numbers, as `MIMU-2026-{serial:04d}`; `before`: the last that was given before
-# there were drafts without
-series = table(metadata, "series", """
-    pattern: text key
-    last, before: integer
-""")  # fmt: skip
+series = sql.Table(  # of certificate numbers, as `MIMU-2026-{serial:04d}`
+    "series",
+    metadata,
+    _column("pattern", sql.Text, primary_key=True),
+    _column("last", sql.Integer),
+    _column("before", sql.Integer),  # the last that was given before there were drafts without
+)
 
-# `number`: of a draft its key; `draft`: the key under which it was issued; `limits`: rows
-# of `decisions`, null where not yet read from the record
-certificates = table(metadata, "certificates", """
-    number: text key
-    result: text index -> results.id
-    run: text index -> runs.id
-    unit: integer index -> units.id
-    state, verdict: text
-    purpose, draft: text?
-    calibrated_on: date?
-    issued_on: date
-    due: date? index
-    kept_at: moment
-    pdf, pdf_sha256, record, record_sha256: text
-    dcc, dcc_sha256, evidence, evidence_sha256: text?
-    supersedes: text? unique -> certificates.number
-    why: text?
-    limits: integer?
-""")  # fmt: skip
+certificates = (
+    sql.Table(  # `number`: of a draft its key; `draft`: the key under which it was issued
+        "certificates",
+        metadata,
+        _column("number", sql.Text, primary_key=True),
+        _column("result", sql.Text, sql.ForeignKey("results.id"), index=True),
+        _column("run", sql.Text, sql.ForeignKey("runs.id"), index=True),
+        _column("unit", sql.Integer, sql.ForeignKey("units.id"), index=True),
+        *_texts("state", "verdict"),
+        *(sql.Column(name, sql.Text) for name in ("purpose", "draft")),
+        sql.Column("calibrated_on", sql.Date),
+        _column("issued_on", sql.Date),
+        sql.Column("due", sql.Date, index=True),
+        _column("kept_at", Utc),
+        *_texts("pdf", "pdf_sha256", "record", "record_sha256"),
+        *(
+            sql.Column(name, sql.Text)
+            for name in ("dcc", "dcc_sha256", "evidence", "evidence_sha256")
+        ),
+        sql.Column("supersedes", sql.Text, sql.ForeignKey("certificates.number"), unique=True),
+        sql.Column("why", sql.Text),
+        sql.Column(
+            "limits", sql.Integer
+        ),  # rows of `decisions`; null: not yet read from the record
+    )
+)
 
-# each limit that a certificate decides on, as its record has it
-decisions = table(metadata, "decisions", """
-    certificate: text key -> certificates.number
-    number: integer key
-    item, element, applied_to: text
-    lower, upper: float?
-    verdict: text
-""")  # fmt: skip
+decisions = sql.Table(  # each limit that a certificate decides on, as its record has it
+    "decisions",
+    metadata,
+    _column("certificate", sql.Text, sql.ForeignKey("certificates.number"), primary_key=True),
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    *_texts("item", "element", "applied_to"),
+    *(sql.Column(name, sql.Float) for name in ("lower", "upper")),
+    _column("verdict", sql.Text),
+)
 
-# the last answer of `explain` to a run, in brief
-explained = table(metadata, "explained", """
-    run: text key -> runs.id
-    at: moment
-    code_version, verdict: text
-""")  # fmt: skip
+explained = sql.Table(  # the last answer of `explain` to a run, in brief
+    "explained",
+    metadata,
+    _column("run", sql.Text, sql.ForeignKey("runs.id"), primary_key=True),
+    _column("at", Utc),
+    *_texts("code_version", "verdict"),
+)
 
-# of that answer; `document`: `FindingInBrief`
-findings = table(metadata, "findings", """
-    run: text key -> explained.run
-    number: integer key
-    effect: text index
-    share, delta_bic: float
-    document: text
-""")  # fmt: skip
+findings = sql.Table(  # of that answer; `document`: `FindingInBrief`
+    "findings",
+    metadata,
+    _column("run", sql.Text, sql.ForeignKey("explained.run"), primary_key=True),
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    _column("effect", sql.Text, index=True),
+    *(_column(name, sql.Float) for name in ("share", "delta_bic")),
+    *_texts("document"),
+)
 
-# `days`: after the due date, negative before it; sent_at null: not yet
-reminders = table(metadata, "reminders", """
-    certificate: text key -> certificates.number
-    days: integer key
-    channel: text key
-    tries: integer
-    next_try_at: moment
-    sent_at: moment?
-    fault: text?
-""")  # fmt: skip
+reminders = sql.Table(  # `days`: after the due date, negative before it; sent_at null: not yet
+    "reminders",
+    metadata,
+    _column("certificate", sql.Text, sql.ForeignKey("certificates.number"), primary_key=True),
+    _column("days", sql.Integer, primary_key=True, autoincrement=False),
+    _column("channel", sql.Text, primary_key=True),
+    _column("tries", sql.Integer),
+    _column("next_try_at", Utc),
+    sql.Column("sent_at", Utc),
+    sql.Column("fault", sql.Text),
+)
 
-# of production; `units`, `client_order`, `runs`, `certificates`: JSON
-orders = table(metadata, "orders", """
-    number: text key
-    station, units, procedure: text
-    client_order: text?
-    person: text
-    ordered_at: moment
-    state: text
-    is_interrupted: boolean
-    attempts, submissions: integer
-    flow_run, host: text?
-    process: integer?
-    began_at, ended_at: moment?
-    runs, certificates: text
-    fault: text?
-    index: state, station
-""")  # fmt: skip
+orders = sql.Table(  # of production; `units`, `client_order`, `runs`, `certificates`: JSON
+    "orders",
+    metadata,
+    _column("number", sql.Text, primary_key=True),
+    *_texts("station", "units", "procedure"),
+    sql.Column("client_order", sql.Text),
+    *_texts("person"),
+    _column("ordered_at", Utc),
+    *_texts("state"),
+    _column("is_interrupted", sql.Boolean),
+    *(_column(name, sql.Integer) for name in ("attempts", "submissions")),
+    *(sql.Column(name, sql.Text) for name in ("flow_run", "host")),
+    sql.Column("process", sql.Integer),
+    *(sql.Column(name, Utc) for name in ("began_at", "ended_at")),
+    *_texts("runs", "certificates"),
+    sql.Column("fault", sql.Text),
+    sql.Index("ix_orders_state_station", "state", "station"),
+)
 
-# who did what; the database refuses to change or delete a row
-trail = table(metadata, "trail", """
-    number: integer key
-    at: moment
-    person, action: text
-    subject: text index
-    details, previous_hash, hash: text
-""")  # fmt: skip
+trail = sql.Table(  # who did what; the database refuses to change or delete a row
+    "trail",
+    metadata,
+    _column("number", sql.Integer, primary_key=True, autoincrement=False),
+    _column("at", Utc),
+    *_texts("person", "action"),
+    _column("subject", sql.Text, index=True),
+    *_texts("details", "previous_hash", "hash"),
+)
 
-# one row
-trail_end = table(metadata, "trail_end", """
-    id: integer key
-    number: integer
-    hash: text
-""")  # fmt: skip
+trail_end = sql.Table(  # one row
+    "trail_end",
+    metadata,
+    _column("id", sql.Integer, primary_key=True, autoincrement=False),
+    _column("number", sql.Integer),
+    *_texts("hash"),
+)
