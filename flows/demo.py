@@ -38,18 +38,7 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
         from flows.on_prefect import flows
     with running(config, speed or (AHRS_SPEED if ahrs else SPEED)) as station:
         _write_in_home(station_file, station.model_dump_json(indent=1))
-        papers = files("flows") / "demo_papers"
-        own = papers / "ahrs" if ahrs else papers
-        (draft,) = flows.run_now(
-            flows.produce,
-            order.model_copy(
-                update={
-                    "tolerance": str(own / "tolerance.toml"),
-                    "laboratory": str(papers / "laboratory.toml"),
-                    "client_order": str(own / "order.toml"),
-                }
-            ),
-        )
+        (draft,) = flows.run_now(flows.produce, order.model_copy(update=_certificate_files(ahrs)))
     made = _made(draft, folder)
     made["seconds"] = round(time.monotonic() - began, 1)
     if as_json:
@@ -67,6 +56,16 @@ def run_demo(*, procedure: str, speed: float | None, seed: int, as_json: bool) -
 def _write_in_home(path: Path, text: str) -> None:
     with writing_in_home(path):
         path.write_text(text + "\n", encoding="utf-8")
+
+
+def _certificate_files(ahrs: bool) -> dict[str, str]:
+    papers = files("flows") / "demo_papers"
+    own = papers / "ahrs" if ahrs else papers
+    return {
+        "tolerance": str(own / "tolerance.toml"),
+        "laboratory": str(papers / "laboratory.toml"),
+        "client_order": str(own / "order.toml"),
+    }
 
 
 def _made(draft: Published, folder: Home) -> dict[str, Any]:

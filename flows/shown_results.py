@@ -15,7 +15,7 @@ from flows.terminal import print_json, print_rows, stdout
 from schemas.base import Unusable, first_fault
 from schemas.calibration import Calibration, Information, Item
 from schemas.certificate import AsFound
-from schemas.discrepancy import Discrepancy, ReportedFinding, ReviewFinding, Verdict
+from schemas.discrepancy import Discrepancy, ReportedFinding, Review, ReviewFinding, Verdict
 from schemas.history import Impact, Plan, Pruned, Reprocessing
 from schemas.recording import LogEntry
 from schemas.text import Validity, text_of, texts_of
@@ -217,14 +217,7 @@ def print_trail(form: str) -> None:
         writer.writerows(entry.model_dump(mode="json").values() for entry in entries)
     elif form == "table":
         rows = [
-            (
-                str(e.number),
-                f"{e.at:%F %T}",
-                e.person,
-                e.action,
-                e.subject,
-                str(json.loads(e.details).get("reason") or ""),
-            )
+            (str(e.number), f"{e.at:%F %T}", e.person, e.action, e.subject, _reason(e))
             for e in entries
         ]
         print_rows("Trail", ("entry", "UTC", "person", "action", "subject", "reason"), rows)
@@ -234,6 +227,10 @@ def print_trail(form: str) -> None:
 
 def _fields(entry: Entry) -> dict[str, object]:
     return entry.model_dump(mode="json") | {"details": json.loads(entry.details)}
+
+
+def _reason(entry: Entry) -> str:
+    return str(json.loads(entry.details).get("reason") or "")
 
 
 # Prints a discrepancy, and a review.
@@ -325,15 +322,7 @@ def print_review(reviewed: Reviewed) -> None:
     console.print(say(message("flows-of-runs", verdict=verdict, runs=review.runs)), markup=False)
     console.print(say(review.statement), markup=False)
     if review.findings:
-        table = _headed(REVIEW_COLUMNS)
-        for finding in review.findings:
-            since = finding.since.at if finding.since else "–"
-            first = (finding.effect, f"{finding.level} {finding.carrier}", since)
-            runs = str(finding.evidence.runs)
-            for cells in _parameters(finding):
-                table.add_row(*map(Text, (*first, *cells, runs)))
-                first, runs = ("", "", ""), ""
-        console.print(table)
+        console.print(_review_table(review))
     for statement in [one.statement for one in review.findings] + [
         one.statement for one in review.sites
     ]:
@@ -343,6 +332,18 @@ def print_review(reviewed: Reviewed) -> None:
         console.print(say(left_out), markup=False)
     for path in reviewed.files:
         print(path)
+
+
+def _review_table(review: Review) -> Table:
+    table = _headed(REVIEW_COLUMNS)
+    for finding in review.findings:
+        since = finding.since.at if finding.since else "–"
+        first = (finding.effect, f"{finding.level} {finding.carrier}", since)
+        runs = str(finding.evidence.runs)
+        for cells in _parameters(finding):
+            table.add_row(*map(Text, (*first, *cells, runs)))
+            first, runs = ("", "", ""), ""
+    return table
 
 
 # Prints a re-processing report, an impact report, and what the store can do without.

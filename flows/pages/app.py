@@ -184,8 +184,7 @@ def login(home: Home, gate: LoginLimiter) -> Blueprint:
             log_in(user, home)
         except Unusable:
             return _form(message("pages-no-database"), wanted), 503
-        # The page that somebody wanted, if it is one of ours; else the first
-        return redirect(wanted if wanted in {f"/{page.name}" for page in PAGES} else "/")
+        return redirect(_own(wanted))
 
     @made.post("/logout")
     def leave() -> Page:
@@ -196,6 +195,11 @@ def login(home: Home, gate: LoginLimiter) -> Blueprint:
         return redirect("/login")
 
     return made
+
+
+def _own(wanted: str) -> str:
+    """The page that somebody wanted, if it is one of ours; else the first."""
+    return wanted if wanted in {f"/{page.name}" for page in PAGES} else "/"
 
 
 def _form(fault: Message | None, wanted: str) -> str:

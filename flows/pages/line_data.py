@@ -22,12 +22,13 @@ from flows.pages.parts import today
 from schemas.access import Visitor
 from schemas.base import Frozen, NotThere, Unusable
 from schemas.orders import OPEN, ProductionOrder
-from schemas.recording import RunStatus, State
+from schemas.recording import Alarm, RunStatus, State
 from schemas.station import StationFile, StopRequest
 from schemas.text import Statement
 from storage import settings
 from storage.catalogue import audit_trail, database, equipment, orders, tables
 from storage.catalogue.database import Busy
+from storage.catalogue.equipment import Reminder
 from storage.catalogue.run_states import Condition, run_list
 from storage.home import Home, environment
 from storage.stations import (
@@ -240,16 +241,13 @@ def of_station(now: StationNow) -> Iterator[AlarmShown]:
         yield _alarm(run.at, now.station, units, cause, todo, (now.state, run.began_at))
     for each in run.alarms:
         known_by = (each.code or each.en, run.began_at)
-        # By the kind of the anomaly; a status of an earlier version names none
-        id_ = f"station-todo.{each.code.replace('_', '-')}"
-        yield _alarm(
-            each.at or run.at,
-            now.station,
-            units,
-            each,
-            message(id_) if known(id_) else message("pages-line-todo.look"),
-            known_by,
-        )
+        yield _alarm(each.at or run.at, now.station, units, each, _todo(each), known_by)
+
+
+def _todo(alarm: Alarm) -> Sayable:
+    """By the kind of the anomaly; a status of an earlier version names none."""
+    id_ = f"station-todo.{alarm.code.replace('_', '-')}"
+    return message(id_) if known(id_) else message("pages-line-todo.look")
 
 
 def of_file(name: str, fault: str) -> AlarmShown:
@@ -263,9 +261,13 @@ def of_flows(flows: Flows) -> Iterator[AlarmShown]:
         yield _alarm(None, "", "Prefect", NO_SERVER, message("pages-line-todo.server"))
     for run in flows.runs:
         if run.is_late:
-            about = f"{run.deployment} {run.subject}".strip()
-            todo = message("pages-line-todo.late", pool=run.pool or "default")
-            yield _alarm(run.expected_at, "", about, message("pages-line-cause.late"), todo)
+            yield _late(run)
+
+
+def _late(run: FlowRun) -> AlarmShown:
+    about = f"{run.deployment} {run.subject}".strip()
+    todo = message("pages-line-todo.late", pool=run.pool or "default")
+    return _alarm(run.expected_at, "", about, message("pages-line-cause.late"), todo)
 
 
 def of_catalogue(home: Home) -> Iterator[AlarmShown]:
@@ -278,18 +280,22 @@ def of_catalogue(home: Home) -> Iterator[AlarmShown]:
             yield _of_order(order, order.ordered_at, "waits")
     for each in equipment.all_reminders(home):
         if each.sent_at is None and each.fault is not None:
-            # The time of the last attempt is not kept
-            cause = message(
-                "pages-line-cause.reminder", channel=each.channel, fault=cause_of(each.fault or "")
-            )
-            todo = message("pages-line-todo.reminder")
-            yield _alarm(None, "", each.certificate, cause, todo)
+            yield _unsent(each)
 
 
 def _of_order(order: ProductionOrder, at: datetime, todo: str) -> AlarmShown:
     cause = message("pages-line-cause.order", number=order.number, fault=shown_cause(order))
     what = message(f"pages-line-todo.{todo}")
     return _alarm(at, order.station, order.serials, cause, what, (order.number, at))
+
+
+def _unsent(reminder: Reminder) -> AlarmShown:
+    """The time of the last attempt is not kept."""
+    cause = message(
+        "pages-line-cause.reminder", channel=reminder.channel, fault=cause_of(reminder.fault or "")
+    )
+    todo = message("pages-line-todo.reminder")
+    return _alarm(None, "", reminder.certificate, cause, todo)
 
 
 def _alarm(

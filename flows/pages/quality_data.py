@@ -432,20 +432,11 @@ def _data(question: QualityQuestion, golden: tuple[str, ...], home: Home) -> Qua
     shown = {}
     if model and item and element:
         shown = of_element(runs, of_model, question, (model, item, element), choices, home)
-    made = of_model[~of_model["golden"]]
-    first = made[made["first"]]
-    valid = first[first["validity"] != "invalid"]
-    passed, failed = int(first["passed"].sum()), int((valid["verdict"] == "fail").sum())
-    undecided = int(valid["verdict"].isna().sum())
     return QualityShown(
         choices=choices, model=model, item=item, element=element,
         title=statement(item_title(item)) if item else None,
         symbol=symbol(item, element) if item and element else "",
-        unit=chosen[0].unit if chosen else "", retest_days=RETEST_DAYS, counted=Counted(
-        runs=len(of_model), golden=len(of_model) - len(made), retests=len(made) - len(first),
-        first=len(first), undecided=undecided, invalid=len(first) - len(valid), passed=passed,
-        failed=failed, inconclusive=len(valid) - undecided - passed - failed,
-    ),
+        unit=chosen[0].unit if chosen else "", retest_days=RETEST_DAYS, counted=_counted(of_model),
         total=next(iter(_yields(counted.assign(all="all"), "all")), None),
         by_item=_by_item(of_model, model, home),
         by_model=_yields(_decided(asked), "model"),
@@ -493,6 +484,19 @@ def _decided(runs: Runs) -> Runs:
     """
     has_ended = runs["verdict"].notna() | (runs["validity"] == "invalid")
     return runs[runs["first"] & has_ended & ~runs["golden"]]
+
+
+def _counted(runs: Runs) -> Counted:
+    made = runs[~runs["golden"]]
+    first = made[made["first"]]
+    valid = first[first["validity"] != "invalid"]
+    passed, failed = int(first["passed"].sum()), int((valid["verdict"] == "fail").sum())
+    undecided = int(valid["verdict"].isna().sum())
+    return Counted(
+        runs=len(runs), golden=len(runs) - len(made), retests=len(made) - len(first),
+        first=len(first), undecided=undecided, invalid=len(first) - len(valid), passed=passed,
+        failed=failed, inconclusive=len(valid) - undecided - passed - failed,
+    )  # fmt: skip
 
 
 def _yields(runs: Runs, by: str) -> tuple[Yield, ...]:

@@ -201,8 +201,6 @@ def data(question: RunQuestion, home: Home) -> RunShown:
     printing = next((e for e in reversed(entries) if newest and e.result == newest.id), None)
     validity = made.validity if made else None
     decision = record_of(printing, home).decision if printing else None
-    source = tables.sources.c
-    found = database.rows(home, sql.select(source.path).where(source.run == run.id))
     return RunShown(
         run=line,
         digest=run.digest,
@@ -221,7 +219,7 @@ def data(question: RunQuestion, home: Home) -> RunShown:
             ResultShown(**result.model_dump(include=set(ResultShown.model_fields)))
             for result in kept
         ),
-        sources=tuple(row.path for row in found),
+        sources=_sources(run.id, home),
         standards=_standards(run.id, home),
     )
 
@@ -259,11 +257,15 @@ def _elements(made: Calibration, limits: tuple[LimitDecision, ...]) -> Iterator[
                 symbol=symbol(name, element), unit=item.unit, value=value,
                 U=item.U.get(element), k=item.k, exponent=printed.exponent,
                 value_text=printed.values[i], U_text=printed.uncertainties[i],
-                limits=tuple(LimitShown(
-        decision=each, text=limits_text(each, printed.exponent), margin=margin(each)
-    ) for each in of_this),
+                limits=tuple(_limit(each, printed.exponent) for each in of_this),
                 has_budget=element in item.budgets,
             )  # fmt: skip
+
+
+def _limit(decision: LimitDecision, exponent: int) -> LimitShown:
+    return LimitShown(
+        decision=decision, text=limits_text(decision, exponent), margin=margin(decision)
+    )
 
 
 def margin(decision: LimitDecision) -> float | None:
@@ -287,6 +289,12 @@ def _log(manifest: Manifest) -> tuple[LogEntry, ...]:
         return TypeAdapter(tuple[LogEntry, ...]).validate_python(kept)
     except ValidationError:
         return ()
+
+
+def _sources(run: str, home: Home) -> tuple[str, ...]:
+    source = tables.sources.c
+    found = database.rows(home, sql.select(source.path).where(source.run == run))
+    return tuple(row.path for row in found)
 
 
 def _standards(run: str, home: Home) -> tuple[StandardUsed, ...]:
