@@ -27,7 +27,7 @@ def test_a_server_that_ends_at_once_is_one_sentence_with_its_log(tmp_path, monke
         monkeypatch.setenv(name, str(tmp_path))
     monkeypatch.setattr(server, "serve", lambda listener: sys.exit("no room"))
     with pytest.raises(Unusable, match=r"see .*server\.log.*PREFECT_API_URL"):
-        server._start(tmp_path)
+        server._start(tmp_path, meanwhile=lambda: None)
     assert "no room" in (tmp_path / server.LOG).read_text()
 
 
@@ -87,7 +87,7 @@ def test_a_setting_of_prefect_that_it_refuses_is_named(monkeypatch):
 def test_a_folder_that_cannot_be_written_is_a_sentence(tmp_path):
     (tmp_path / server.LOG).mkdir()  # no file can be opened there, as on a read-only disk
     with pytest.raises(Unusable, match=r"cannot be written .*MIMUCAL_HOME"):
-        server._start(tmp_path)
+        server._start(tmp_path, meanwhile=lambda: None)
 
 
 def answering(statuses: Iterator[int], clock: Iterator[float]):

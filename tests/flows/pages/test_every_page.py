@@ -99,7 +99,7 @@ def test_a_page_of_the_line_is_laid_out_and_its_json_is_json(
     question = page.PAGE.question.model_validate(asked)
     shown = page.PAGE.data(question, line_store[0])
     json.loads(shown.model_dump_json(), parse_constant=pytest.fail)
-    assert page.PAGE.layout(shown, View(language), question).to_plotly_json()
+    assert seen_by(View(language), page.PAGE.layout, shown, question).to_plotly_json()
 
 
 def test_what_is_refused_on_the_page_do_is_said_in_the_readers_language(home: Home) -> None:
