@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tasks.explain.events.bursts import find_settling
 from tasks.explain.events.detect import (
     AxisMapping,
     GravityRemoved,
@@ -13,7 +14,6 @@ from tasks.explain.events.detect import (
     events_in_readings,
     find_gravity_removed,
     find_settings,
-    find_settling,
 )
 from tasks.words import texts
 from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy

@@ -1,10 +1,11 @@
-"""Lines are detected in what a regression leaves, and nothing in noise."""
+"""Lines and bursts are detected in what a regression leaves, and nothing in noise."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from tasks.explain.events.bursts import Ringing
 from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
@@ -36,6 +37,13 @@ def _on_table(made: Motion) -> Motion:
     angle = np.cumsum(speed, axis=0) / RATE
     directions = np.tile(np.eye(3)[:1], (len(made.t), 1, 1))
     return replace(made, axes=TableAxes(angle, speed, directions, made.up))
+
+
+def _rung(
+    made: Motion, starts: np.ndarray, wave: np.ndarray, hertz: float, decay: float
+) -> np.ndarray:
+    gain = np.where(wave != 0, 100.0, 0.0)
+    return Ringing(np.sort(starts), wave, gain, hertz, decay).signal(made.t)
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -151,7 +159,29 @@ def test_line_before_lost_samples_goes_on_after_them() -> None:
     assert added[:-1, 4] == pytest.approx(wave[taken][:-1], abs=2e-4)
 
 
-def test_step_is_no_line() -> None:
+def test_bursts_are_counted_and_taken_away_by_what_they_have_in_common() -> None:
+    made = motion(minutes=10.0)
+    even = np.array([53.0, 112.2, 193.4, 213.9, 373.3, 454.6])
+    wave = np.array([0, 4e-3, 2e-3j, 0, 0, 0])
+    bursts = _rung(made, even, wave, 2.3, 1.1)
+    (event,) = _detected(made, _noise(made, 25) + bursts).events
+    assert event.effect == "unnamed"
+    assert event.channels == (1, 2)
+    assert _value(event, "bursts") == len(even)
+    assert _value(event, "frequency") == pytest.approx(2.3, abs=0.05)
+    assert _value(event, "decay") == pytest.approx(1.1, rel=0.3)
+    added = event.applied(made.t, np.zeros((len(made.t), 6)))
+    assert ((added - bursts) ** 2).sum() < 0.2 * (bursts**2).sum()
+
+
+def test_what_swings_after_every_move_is_no_burst() -> None:
+    made = motion(minutes=10.0)
+    moves = np.arange(8.0, 590.0, 20.0)
+    left = _noise(made, 26) + _rung(made, moves, np.array([0, 3e-3, 0, 0, 0, 0j]), 2.3, 1.1)
+    assert _detected(made, left).events == ()
+
+
+def test_step_is_no_burst() -> None:
     made = motion(minutes=6.0)
     left = _noise(made, 27)
     left[made.t > 133.0, 4] += 0.02
