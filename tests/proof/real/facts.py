@@ -613,15 +613,11 @@ def _bursts(recordings: Recordings) -> Claim:
     words = ", ".join(f"{a:.2f}/{b:.2f}" for a, b in shown)
     return Claim(
         SECOND,
-        bilingual(
-            "four bursts that fade, at 505, 867, 1240 and 1301 s",
-            "四次衰减振荡（505、867、1240、1301 s）",
-        ),
+        "four bursts that fade, at 505, 867, 1240 and 1301 s",
         truth,
-        bilingual(
+        (
             f"largest deviation in the first/last second of each rest, m/s²: {words}; only z up "
-            "was handled while labelled as a rest",
-            f"各静止段首/末1 s最大偏离（m/s²）：{words}；仅z朝上段在标签内有搬动",
+            "was handled while labelled as a rest"
         ),
         lambda answer: any(
             parameter(each, "decay") is not None for each in findings(answer, "unnamed")
