@@ -4,13 +4,15 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
 from pydantic import AwareDatetime, Field
 
 from schemas.base import Finite, Frozen
 from schemas.text import Statement
+
+if TYPE_CHECKING:
+    import numpy as np  # the catalogue's lists start without it
 
 Verdict = Literal["no_mismatch", "explained", "partly_explained", "unexplained"]
 Dimension = Literal[
@@ -287,10 +289,10 @@ class RunStatistics:
 
     layout: Layout
     layout_key: str
-    correlation: np.ndarray
-    right: np.ndarray
-    scale: np.ndarray
-    left_over: np.ndarray
+    correlation: "np.ndarray"
+    right: "np.ndarray"
+    scale: "np.ndarray"
+    left_over: "np.ndarray"
 
 
 class Carrier(Frozen):
