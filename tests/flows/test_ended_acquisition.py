@@ -14,6 +14,7 @@ import pytest
 from schemas.recording import MEASURED
 from schemas.station import StationFile
 from storage.catalogue import runs
+from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from tasks.stages.acquire import acquire_run
 from tasks.stages.store import ready_to_acquire
@@ -91,12 +92,15 @@ def test_what_was_recorded_survives_a_kill_and_the_run_goes_on(home, station, mi
     refused = mimucal("import", left)
     assert refused.code == 2
     assert "--salvage" in refused.err
+    first = read_mcap(left, salvage=True).imu
+    assert first.t[-1] > 5.0
     table_and_watchdog(station)  # its watchdog brings the table to rest
     made = acquire_run(station, procedure("position"), own, ignore, resume=True)
     ((run, _),) = made.kept
     whole = runs.load(run, own)
     names = [step.name for step in procedure("position").steps]
     assert [each.name for each in whole.manifest.segments if each.kind in MEASURED] == names
+    assert (whole.imu.t[: len(first)] == first.t).all()
     assert (np.diff(whole.imu.t) > 0).all()
     assert len(whole.manifest.model_extra["parts"]) == 2
     assert not left.exists()
