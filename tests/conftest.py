@@ -3,6 +3,7 @@
 import fcntl
 import gc
 import hashlib
+import logging
 import os
 import shutil
 import signal
@@ -15,6 +16,7 @@ from pathlib import Path
 import pytest
 from hypothesis import settings
 
+from flows.logs import ROOT
 from schemas.calibration import EVIDENCE, Check, ItemValidation, MethodValidation, ValidationRecord
 from schemas.certificate import Certificate
 from schemas.recording import Recording
@@ -120,6 +122,16 @@ def _as_migrated() -> Iterator[None]:
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(database, "_migrate", as_migrated)
         yield
+
+
+@pytest.fixture(autouse=True)
+def _events_of_one_test() -> Iterator[None]:
+    """Commands and pages in this process send the events where they want, for their test alone."""
+    yield
+    events = logging.getLogger(ROOT)
+    events.handlers.clear()
+    events.setLevel(logging.NOTSET)
+    events.propagate = True
 
 
 @pytest.fixture

@@ -151,6 +151,17 @@ def test_a_server_that_is_killed_and_comes_back_costs_neither_recording_nor_draf
     assert set((line.home / "acquiring").rglob("*.mcap")) <= left
 
 
+def test_a_worker_that_is_killed_stops_the_table_and_the_recording_is_kept(line, client):
+    run = begin(line, client, "S-2")
+    os.kill(line.workers[1].pid, signal.SIGKILL)
+    ((status, is_dead),) = wait_for(lambda: stopped(line, "S-2"), LONG_S)
+    assert not is_dead
+    assert "stopped by the loss of its Prefect worker; recorded so far" in status.cause
+    assert settled(client, run)
+    assert state_of(client, run) in ("Failed", "Crashed")
+    line.work("station-S-2")
+
+
 def stopped(line: PrefectLine, station: str) -> list:
     found = statuses(Home(line.home))
     return [each for each in found if each[0].station == station and each[0].state == "stopped"]
