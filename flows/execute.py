@@ -32,9 +32,9 @@ from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
 from storage.stations import file_named, release
+from tasks.stages.acquire import procedure_named
 from tasks.stages.authority import authorised_operator
 from tasks.stages.import_recording import run_of
-from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stop import current_user
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ from schemas.calibration import Calibration, Item
 from schemas.history import COUNTED_IN_U, Change, Difference, Flip, Reprocessing
 from schemas.tolerance import Capability, Decision, Tolerance
 from tasks.conformity import as_stated, decide
-from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw, picture_file
+from tasks.rendering import AFTER, BEFORE, GREY, PALE, draw, picture_file
 from tasks.specifications.estimate import item_title
 from tasks.words import LANGUAGES, message, say
 

@@ -43,10 +43,7 @@ from flows.pages.quality_data import (
     choices,
     data,
 )
-from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
-from tasks.quality.capability import CapabilityIndex
-from tasks.quality.charts import FEWEST, HISTORY, RULES
-from tasks.quality.yields import FEWEST_IN_POINT
+from tasks.quality import FEWEST, FEWEST_IN_INDEX, FEWEST_IN_POINT, HISTORY, RULES, CapabilityIndex
 from tasks.words.numbers import MINUS, USUAL_K, Scale, plain, quantities, unit_text
 
 # The charts of the Quality page, as plotly figures.

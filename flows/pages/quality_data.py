@@ -22,9 +22,22 @@ from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.database import cached_until_commit
 from storage.home import Home
 from tasks.conformity.limits import is_of_a_limit
-from tasks.quality.capability import CapabilityIndex, capability, consumed
-from tasks.quality.charts import HISTORY, RULES, Chart, individuals, station_check
-from tasks.quality.yields import RETEST_DAYS, against_each_other, first_runs, pooled, shares, yields
+from tasks.quality import (
+    HISTORY,
+    RETEST_DAYS,
+    RULES,
+    CapabilityIndex,
+    Chart,
+    against_each_other,
+    capability,
+    consumed,
+    first_runs,
+    individuals,
+    pooled,
+    shares,
+    station_check,
+    yields,
+)
 from tasks.specifications.estimate import item_title, symbol
 from tasks.words import kind_of, message, statement
 

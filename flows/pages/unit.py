@@ -47,7 +47,7 @@ from storage.catalogue.certificates import AS_LEFT, Entry
 from storage.catalogue.selection import UnitLine
 from storage.home import Home
 from tasks.conformity.limits import interval_text
-from tasks.quality.charts import DriftRate, drift
+from tasks.quality import DriftRate, drift
 from tasks.specifications.estimate import ITEMS, item_title, symbol
 from tasks.stages.remind import NoAdvice, advice_by, sentence
 from tasks.words import cause_of, message, statement

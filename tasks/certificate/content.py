@@ -20,7 +20,6 @@ from tasks.certificate.equipment import accuracy, settings
 from tasks.certificate.fields import NONE, NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
 from tasks.certificate.mandatory import standards_of
-from tasks.certificate.remarks import RemarkRow, remarks
 from tasks.certificate.results import (
     InformationRow,
     Mark,
@@ -31,11 +30,13 @@ from tasks.certificate.results import (
 )
 from tasks.certificate.statements import (
     ReadingRow,
+    RemarkRow,
     basis,
     conformity,
     evaluation,
     readings,
     reasons,
+    remarks,
     uncertainty,
     uncertainty_in_short,
 )

@@ -24,10 +24,10 @@ from storage.home import Home
 from tasks import conformity, reminders
 from tasks.calibrate.evidence_file import why_none
 from tasks.certificate.content import differences
+from tasks.certificate.figures import curves_of_run, history_curves
 from tasks.certificate.mandatory import missing
 from tasks.certificate.pdf import faces_of
 from tasks.conformity.capabilities import certificate_as_stated
-from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.certificate_inputs import (
     CertificateInputs,
@@ -280,7 +280,7 @@ def certify(
         evidence_sha256=hashlib.sha256(evidence).hexdigest() if evidence else None,
     )
     earlier = map(certificate_as_stated, earlier_certificates(run, calibrated_on, home))
-    moved = tuple(history(certificate_as_stated(certificate), tuple(earlier)))
+    moved = tuple(history_curves(certificate_as_stated(certificate), tuple(earlier)))
     drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
     if replaces:
         changed = differences(certificates.find(replaces.number, home), drawn)

@@ -9,8 +9,7 @@ import pytest
 
 from schemas.base import Unusable
 from schemas.procedure import Procedure
-from tasks.station.acquisition import GUARD_WALL_S, Sequencer
-from tasks.station.progress import Progress
+from tasks.station.acquisition import GUARD_WALL_S, Progress, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.words import cause_of
