@@ -93,7 +93,6 @@ def release_station(order: AcquireOrder) -> None:
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
-    """The station, the procedure, and how to prompt the operator."""
     file = file_named(order.station, home_of(order))
     station, procedure = settings.read(file, StationFile), procedure_of(order)
     if order.units:

@@ -157,4 +157,4 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Of each look at the page nothing is printed."""
+        """Prints nothing: each look at the page is a request."""

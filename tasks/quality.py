@@ -264,7 +264,6 @@ def drift(
 
 
 def _mean(x: np.ndarray, weights: np.ndarray, level: np.ndarray, total: np.ndarray) -> np.ndarray:
-    """The weighted mean of each reading's level."""
     return (np.bincount(level, weights * x, minlength=len(total)) / total)[level]
 
 

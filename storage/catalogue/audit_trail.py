@@ -85,9 +85,7 @@ def add_once(
 def has(connection: sql.Connection, action: str, subject: str, **details: Any) -> bool:
     """Whether there is an entry of this action, subject and details."""
     entry = tables.trail.c
-    alike = (
-        entry.action == action, entry.subject == subject, entry.details == _canonical(details),
-    )  # fmt: skip
+    alike = (entry.action == action, entry.subject == subject, entry.details == _canonical(details))
     return connection.execute(sql.select(entry.number).where(*alike).limit(1)).first() is not None
 
 

@@ -117,7 +117,6 @@ PANELS: dict[FigureName, Panel] = {
 def _bars(
     axes: "Axes", curve: Curve, factor: float, axis: str, origin: float = 0.0, line: float = 0.0
 ) -> None:
-    """The points of a curve with ± U."""
     x = origin + np.array(curve.x)
     y, U = factor * np.array(curve.y), factor * np.array(curve.U)
     axes.errorbar(

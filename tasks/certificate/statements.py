@@ -341,12 +341,13 @@ def _global_risks(decision: Decision) -> list[Field]:
             risks.setdefault(limit.item, []).append(limit.global_risks)
     parts = [
         message(
-            "certificate-global-risk.item", item=item_title(item),
+            "certificate-global-risk.item",
+            item=item_title(item),
             consumer=probability_text(max(risk.consumer for risk in of_item)),
             producer=probability_text(max(risk.producer for risk in of_item)),
         )
         for item, of_item in risks.items()
-    ]  # fmt: skip
+    ]
     if not parts:
         return []
     return [field("global-risk", message("certificate-global-risk", parts=clauses(parts)))]

@@ -113,8 +113,9 @@ def _began(manifest: Manifest) -> str:
 
 def forget_empty(home: Home) -> None:
     """Remove files of runs that were killed before their first readings."""
-    written = {path for status, is_dead in statuses(home) if not is_dead
-               for path in status.recordings}  # fmt: skip
+    written = {
+        path for status, is_dead in statuses(home) if not is_dead for path in status.recordings
+    }
     for path in home.acquiring.glob("*.mcap"):
         with suppress(OSError):
             left = path.stat()

@@ -103,9 +103,8 @@ def _kept(review: Review, order: ReviewOrder, used: Sequence[Run]) -> KeptReview
     asked |= {"paths": str(len(order.paths))} if order.paths else {}
     days = sorted(run.recorded_on for run in used if run.recorded_on is not None)
     return KeptReview(
-        at=datetime.now(UTC), asked=asked, days=(days[0], days[-1]) if days else None,
-        review=review,
-    )  # fmt: skip
+        at=datetime.now(UTC), asked=asked, days=(days[0], days[-1]) if days else None, review=review
+    )
 
 
 def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
@@ -147,9 +146,7 @@ def _recordings(named: str) -> list[str]:
 
 
 def _selected(run: Run, order: ReviewOrder) -> bool:
-    asked = (
-        (order.model, run.model), (order.serial, run.serial), (order.station, run.station),
-    )  # fmt: skip
+    asked = ((order.model, run.model), (order.serial, run.serial), (order.station, run.station))
     day = run.recorded_on or run.imported_at.date()
     within = (order.since is None or day >= order.since) and (
         order.until is None or day <= order.until

@@ -283,7 +283,7 @@ def verdict(decision: Decision, *sentences: Sayable) -> Element:
 
 
 def measurement_results(certificate: Certificate) -> Element:
-    """As left, or the only ones there are; as found; what is shown beside, undecided."""
+    """Lists the results as left, those as found, and what is shown beside them, undecided."""
     found = certificate.as_found
     calibration, decision = certificate.calibration, certificate.decision
     after = "afterAdjustment" if found else None
@@ -423,7 +423,6 @@ def administration(certificate: Certificate, statements: Element) -> Element:
 
 
 def _laboratory(laboratory: Laboratory | None) -> Element:
-    """The laboratory, its accreditation as its code."""
     code = text_of(laboratory, "accreditation") if laboratory else None
     return dcc.calibrationLaboratory(
         *([plain("calibrationLaboratoryCode", say(code))] if code else []),
@@ -616,7 +615,7 @@ def _record(certificate: Certificate, record: bytes) -> Element:
 VERSION = "3.3.0"
 
 
-def record_of(certificate: Certificate) -> bytes:
+def record_bytes(certificate: Certificate) -> bytes:
     """The record as it is stored, attached to the DCC, and identified by its SHA-256 in the QR
     code.
     """
@@ -625,7 +624,7 @@ def record_of(certificate: Certificate) -> bytes:
 
 def dcc_of(certificate: Certificate) -> bytes:
     """The DCC without a signature, in canonical form (C14N 1.0, UTF-8)."""
-    record = record_of(certificate)
+    record = record_bytes(certificate)
     stated = certificate_as_stated(certificate)
     return canonical(
         dcc.digitalCalibrationCertificate(

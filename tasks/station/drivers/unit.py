@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from functools import lru_cache, reduce
 from operator import xor
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-import serial
 from pymodbus.framer import FramerRTU
 
 from schemas.base import Unusable
@@ -32,6 +31,7 @@ from schemas.unit_link import (
     UnitLink,
 )
 from tasks.station.clock import wall_s
+from tasks.station.drivers.backend import READ_BYTES, READ_TIMEOUT_S, unit_port
 from tasks.station.drivers.modbus import host_and_port
 from tasks.station.ports import Line
 from tasks.words import message
@@ -39,8 +39,6 @@ from tasks.words import message
 # The unit's line, read by a thread so that no byte is lost while the run is busy.
 
 LOG = logging.getLogger("mimucal.station.unit")
-READ_BYTES = 4096
-READ_TIMEOUT_S = 0.05
 
 
 class Source(Protocol):
@@ -118,9 +116,7 @@ class _Serial:
     """A serial line or a TCP connection, whatever pyserial opens."""
 
     def __init__(self, link: UnitLink) -> None:
-        self._port: Any = serial.serial_for_url(
-            link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
-        )
+        self._port = unit_port(link)
 
     def read(self, most: int) -> bytes:
         """What has come; a socket of pyserial does not tell how much that is."""

@@ -57,7 +57,7 @@ def _chain(
 
 
 def to_rate(t: float, angle: float, rate: float, target: float, limit: float) -> Profile:
-    """From angle and rate at t to the target rate (rad/s) with the acceleration limit."""
+    """Goes from angle and rate at t to the target rate (rad/s) with the acceleration limit."""
     ramp = (abs(target - rate) / limit, float(np.copysign(limit, target - rate)))
     return _chain(t, angle, rate, (ramp,), target)
 
@@ -353,7 +353,7 @@ class VirtualChamber:
         self.target = degc
 
     def degc(self, now_s: float) -> float:
-        """Of the air at a station time (s)."""
+        """The temperature of the air at a station time (s)."""
         way = self._rate * (now_s - self._since_s)
         return self._from + min(max(self.target - self._from, -way), way)
 
