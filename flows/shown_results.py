@@ -21,7 +21,7 @@ from schemas.recording import LogEntry
 from schemas.text import Validity, text_of, texts_of
 from schemas.tolerance import Verdict as ToleranceVerdict
 from storage.catalogue import audit_trail, certificates, results, runs
-from storage.catalogue.audit_trail import Entry
+from storage.catalogue.audit_trail import TrailEntry
 from storage.home import Home, home
 from tasks.certificate.statements import once_for_all
 from tasks.explain.correction.consequences import moved_by
@@ -214,7 +214,7 @@ def print_trail(form: str) -> None:
             print(json.dumps(_fields(entry), ensure_ascii=False))
     elif form == "csv":
         writer = csv.writer(sys.stdout, lineterminator="\n")
-        writer.writerow(Entry.model_fields)
+        writer.writerow(TrailEntry.model_fields)
         writer.writerows(entry.model_dump(mode="json").values() for entry in entries)
     elif form == "table":
         rows = [
@@ -226,11 +226,11 @@ def print_trail(form: str) -> None:
         raise Unusable(f"--as {form}: choose one of table, csv, jsonl")
 
 
-def _fields(entry: Entry) -> dict[str, object]:
+def _fields(entry: TrailEntry) -> dict[str, object]:
     return entry.model_dump(mode="json") | {"details": json.loads(entry.details)}
 
 
-def _reason(entry: Entry) -> str:
+def _reason(entry: TrailEntry) -> str:
     return str(json.loads(entry.details).get("reason") or "")
 
 

@@ -15,7 +15,7 @@ import sqlalchemy as sql
 import zstandard
 from pydantic import ValidationError
 
-from schemas.base import Unusable, first_fault
+from schemas.base import Progress, Unusable, first_fault
 from schemas.recording import ENDED
 from schemas.store import BackupManifest, KeptFile, KeptTable
 from storage.blobs import Blobs, blobs_of
@@ -241,8 +241,6 @@ LEFT_OUT = {
     "upgrade-left",
     "catalog.sqlite", "catalog.sqlite-wal", "catalog.sqlite-shm",
 }  # fmt: skip
-
-Progress = Callable[[int, int], None]
 
 
 def back_up(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar
 
-from schemas.base import Unusable
+from schemas.base import Progress, Unusable
 from schemas.certificate import LIVE, Laboratory
 from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
 from schemas.orders import Estimation, ReprocessOrder
@@ -147,7 +147,6 @@ def _patiently(ask: Callable[[], R]) -> R:
             time.sleep(PAUSE_S)
 
 
-Progress = Callable[[int, int], None]
 DIED = (
     "its worker died twice while it was at this run alone; see that the machine has enough memory "
     "for it, and calibrate it by itself"

@@ -8,7 +8,7 @@ from typing import Any
 
 from schemas.base import Unusable
 from schemas.procedure import Oscillation, Procedure, Refix
-from schemas.recording import Alarm, Manifest, State
+from schemas.recording import MEASURED, Alarm, Manifest, State
 from schemas.station import StationFile
 from schemas.text import Remark, Statement
 from tasks.station.clock import StationClock, wall_s
@@ -22,7 +22,7 @@ from tasks.station.connected_station import (
     stopped_by,
 )
 from tasks.station.drivers.unit import UnitDriver
-from tasks.station.monitor import MEASURED, Anomaly, remarks_on
+from tasks.station.monitor import Anomaly, remarks_on
 from tasks.station.plan import (
     PlannedSegment,
     SetPoint,

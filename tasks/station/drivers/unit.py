@@ -33,6 +33,7 @@ from schemas.unit_link import (
 from tasks.station.clock import wall_s
 from tasks.station.drivers.backend import READ_BYTES, READ_TIMEOUT_S, unit_port
 from tasks.station.drivers.modbus import host_and_port
+from tasks.station.drivers.text_device import NUMBER
 from tasks.station.ports import Line
 from tasks.words import message
 
@@ -250,8 +251,6 @@ def filled(frame: AnyFrame, raw: dict[str, np.ndarray], n: int) -> np.ndarray:
 
 # Frames of the unit, binary or lines of text: found in a byte stream, checked and decoded.
 
-# of each number there is one way to read it: a damaged line must not be tried for ever
-NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 MOST_BYTES = 4096  # of a line; what is longer is no line
 CHECK_DIGITS = {"xor8": 2, "crc16_xmodem": 4}
 
@@ -407,7 +406,7 @@ def _pattern(frame: TextFrame) -> re.Pattern[bytes]:
     blank = frame.separator == " "
     separator = b" +" if blank else b" *" + re.escape(frame.separator.encode()) + b" *"
     fields = separator.join(
-        re.escape(field.prefix.encode()) + rb"(" + NUMBER + rb")" for field in frame.fields
+        re.escape(field.prefix.encode()) + rb"(" + NUMBER.encode() + rb")" for field in frame.fields
     )
     check = b""
     if frame.check != "none":

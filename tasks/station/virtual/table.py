@@ -11,6 +11,7 @@ from schemas.laboratory import ChamberLimits
 from schemas.recording import Mount
 from tasks.station.virtual.config import (
     AXIS_STATUS,
+    DEGREE,
     FIXTURE_STATUS,
     MODES,
     STEP_S,
@@ -84,7 +85,6 @@ def to_angle(
     return _chain(t, angle, rate, pieces, 0.0)
 
 
-DEGREE = np.pi / 180.0
 SETTLED_AFTER_S = 0.5
 ANGLE_TOLERANCE = 2.0 / 3600.0 * DEGREE
 RATE_TOLERANCE = 1e-4  # of the rate, and of 1 °/s below it
