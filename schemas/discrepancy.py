@@ -67,14 +67,14 @@ class Consequence(Frozen):
 
     @property
     def change(self) -> float:
-        """By how much it moves, with its sign; 0 where it has no value."""
+        """How far the element moves, with its sign; 0 where it has no value."""
         if self.before is None or self.after is None:
             return 0.0
         return self.after - self.before
 
     @property
     def in_U(self) -> float:
-        """By how many U it moves, with its sign; 0 where it has no U.
+        """How many U the element moves, with its sign; 0 where it has no U.
 
         Relative to the larger U of the two: a change within the certificate's own U is not an error
         of the certificate, and a change within the correction's U is not significant.

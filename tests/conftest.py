@@ -23,7 +23,7 @@ from schemas.recording import Recording
 from storage.catalogue import database
 from storage.formats.folder import read_folder
 from storage.home import Home
-from tasks.certificate.dcc import record_of
+from tasks.certificate.dcc import record_bytes
 from tasks.specifications.estimate import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests import ideal
@@ -146,7 +146,7 @@ def unprinted(monkeypatch) -> None:
     """Certificates whose PDF is not typeset, for tests of what is done with them."""
 
     def quick(certificate: Certificate, **_: object) -> bytes:
-        return b"%PDF " + hashlib.sha256(record_of(certificate)).digest()
+        return b"%PDF " + hashlib.sha256(record_bytes(certificate)).digest()
 
     monkeypatch.setattr("tasks.certificate.pdf.render", quick)
 

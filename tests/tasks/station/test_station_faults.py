@@ -14,8 +14,7 @@ from schemas.recording import ACCEL, GYRO, Recording
 from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.station import procedures
-from tasks.station.acquisition import GUARD_WALL_S, Sequencer
-from tasks.station.progress import Progress
+from tasks.station.acquisition import GUARD_WALL_S, Progress, Sequencer
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import FAULTS, StationFault
 from tasks.words import cause_of
