@@ -9,7 +9,9 @@ import shutil
 import signal
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import replace
 from datetime import date
+from functools import cache
 from itertools import chain, groupby
 from pathlib import Path
 
@@ -178,9 +180,23 @@ def real() -> Callable[[str], Recording]:
 
 
 @pytest.fixture(scope="session")
-def plant() -> Callable[[str], Recording]:
-    """Reads a simulated recording by its folder name."""
-    return lambda name: read_folder(shared_path(f"data/plant/{name}"))
+def plant() -> Callable[..., Recording]:
+    """Reads a simulated recording by its folder name, once: nobody may change its columns.
+
+    The second argument: every so many rows, which tell most things as well, and sooner.
+    """
+
+    @cache
+    def read(name: str, every: int = 1) -> Recording:
+        whole, kept = read_folder(shared_path(f"data/plant/{name}")), slice(None, None, every)
+        assert whole.table is not None
+        thinned = replace(whole, imu=whole.imu.at(kept), table=whole.table.at(kept))
+        for stream in (thinned.imu, thinned.table):
+            for column in (stream.t, *stream.columns.values()):
+                column.flags.writeable = False
+        return thinned
+
+    return read
 
 
 @pytest.fixture(scope="session")
