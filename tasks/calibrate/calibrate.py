@@ -425,11 +425,9 @@ def _temperatures(
 
 
 def _at_temperatures(items: Mapping[str, Item]) -> Iterator[Remark]:
-    """At which temperatures of the unit the elements hold, where it was recorded: to 0.1 K, finer
-    than which no sensor inside a unit tells its sensitive elements'.
-    """
+    """At which temperatures of the unit the elements hold, where it was recorded."""
     known = {
-        key: {e: f"{t:.1f}" for e, t in (item.temperature_degc or {}).items() if t is not None}
+        key: {e: f"{t:.2f}" for e, t in (item.temperature_degc or {}).items() if t is not None}
         for key, item in items.items()
     }
     every = {at for of_item in known.values() for at in of_item.values()}
