@@ -72,7 +72,7 @@ def read_source(text: str) -> Source:
     for node in ast.walk(tree):
         if isinstance(body := getattr(node, "body", None), list):
             imported |= {ast.dump(each) for each in body if isinstance(each, IMPORTS)}
-            node.body = [each for each in body if not isinstance(each, IMPORTS)]
+            body[:] = [each for each in body if not isinstance(each, IMPORTS)]
         if isinstance(node, DOCUMENTED):
             if node.body and ast.get_docstring(node, clean=False) is not None:
                 node.body = node.body[1:]
