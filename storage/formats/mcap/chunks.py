@@ -76,15 +76,24 @@ class ChunkWriter:
         self._metadata.append(MetadataIndex(offset=self._at, length=len(record), name=name))
         self._write(record)
 
-    def messages(self, topic: str, kind: str, stamps: np.ndarray, block: np.ndarray) -> None:
-        """Writes messages in one chunk or more.
+    def introduce(self, topics: Mapping[str, str]) -> None:
+        """Names the topics, each with its message type, of messages that belong together.
+
+        A file that is cut off between them then tells which of them it lacks.
+        """
+        new = [self._register(*each) for each in topics.items() if each[0] not in self._channels]
+        if new:
+            self._write(b"".join(new))
+
+    def messages(self, topic: str, stamps: np.ndarray, block: np.ndarray) -> None:
+        """Writes messages of a topic that was introduced, in one chunk or more.
 
         stamps: (n,) int64 ns, not negative; block: (n, length) uint8, one message a row.
         """
         rows = max(1, CHUNK // (block.shape[1] + MESSAGE.itemsize))
         for start in range(0, len(block), rows):
             part = slice(start, start + rows)
-            self._chunk(topic, kind, stamps[part], block[part])
+            self._chunk(topic, stamps[part], block[part])
 
     def flush(self) -> None:
         """Puts on the disk what was written, so that it outlives the process and the power."""
@@ -114,15 +123,14 @@ class ChunkWriter:
         self._crc = zlib.crc32(data, self._crc)
         self._at += len(data)
 
-    def _chunk(self, topic: str, kind: str, stamps: np.ndarray, block: np.ndarray) -> None:
-        head = b"" if topic in self._channels else self._register(topic, kind)
+    def _chunk(self, topic: str, stamps: np.ndarray, block: np.ndarray) -> None:
         channel = self._channels[topic].id
-        data = head + self._records(channel, stamps, block).tobytes()
+        data = self._records(channel, stamps, block).tobytes()
         packed = self._compress(data)
         first, last = int(stamps.min()), int(stamps.max())
         chunk = _bytes(Chunk("zstd", packed, last, first, zlib.crc32(data), len(data)))
         stride = MESSAGE.itemsize + block.shape[1]
-        offsets = len(head) + stride * np.arange(len(stamps), dtype=np.uint64)
+        offsets = stride * np.arange(len(stamps), dtype=np.uint64)
         index = np.column_stack([stamps.astype(np.uint64), offsets]).astype("<u8").tobytes()
         index = struct.pack("<HI", channel, len(index)) + index
         index = RECORD.pack(Opcode.MESSAGE_INDEX, len(index)) + index
@@ -155,7 +163,7 @@ class ChunkWriter:
         return records
 
     def _register(self, topic: str, kind: str) -> bytes:
-        """The records that introduce a new channel, for the head of its first chunk."""
+        """The records that introduce a new channel."""
         introduced: list[McapRecord] = []
         if kind not in self._schemas:
             text = schema_text(kind).encode()

@@ -397,7 +397,11 @@ def read_mcap(
     manifest = manifest or _manifest(file, own, salvage)
     extra = {}
     if own:
-        timed = _our_streams(file, imu, salvage)
+        try:
+            timed = _our_streams(file, imu, salvage)
+        except NothingWhole as nothing:
+            nothing.manifest = manifest
+            raise
     else:
         timed, left_out = _foreign_streams(file, imu, manifest)
         extra = {"left_out": left_out} if left_out else {}
@@ -473,6 +477,8 @@ def _our_streams(file: Bag, imu: Topic, salvage: bool) -> dict[str, Timed]:
             companion = file.topic(topic)
             (values,) = (companion.numbers[f] for f in companion.numbers if f != "variance")
             parts.append((companion.stamps, named(names, values)))
+        elif salvage and topic in file.names():  # it was cut off before the first of them
+            parts.append((imu.stamps[:0], dict.fromkeys(names, imu.stamps[:0].astype(float))))
     timed = {"imu": _side_by_side(file, parts, salvage)}
     if TABLE_TOPIC in file:
         timed["table"] = _table(file.topic(TABLE_TOPIC))
@@ -485,11 +491,16 @@ def _our_streams(file: Bag, imu: Topic, salvage: bool) -> dict[str, Timed]:
         if scalar.topic in file
         for topic in [file.topic(scalar.topic)]
     ]
-    if air:
+    begun = all(
+        scalar.topic in file or scalar.topic not in file.names() for scalar in ENVIRONMENT_TOPICS
+    )
+    if air and (begun or not salvage):
         timed["environment"] = _side_by_side(file, air, salvage)
     timed = {name: (stamps, columns) for name, (stamps, columns) in timed.items() if len(stamps)}
     if "imu" not in timed:
-        raise Unusable(f"{file.path}: no reading of the unit is whole; nothing can be salvaged.")
+        raise NothingWhole(
+            f"{file.path}: no reading of the unit is whole; nothing can be salvaged."
+        )
     return timed
 
 

@@ -185,9 +185,11 @@ def _keep_name(path: Path) -> None:
 def _put(chunks: ChunkWriter, name: str, stream: Stream, origin: int) -> None:
     stamps = nanoseconds(stream.t) + origin
     clock = {"sec": (stamps // NANO)[:, None], "nanosec": (stamps % NANO)[:, None]}
-    for batch in MESSAGES[name](stream):
+    batches = tuple(MESSAGES[name](stream))
+    chunks.introduce({batch.topic: batch.kind for batch in batches})
+    for batch in batches:
         numbers = dict(batch.numbers) | (clock if batch.texts else {})
-        chunks.messages(batch.topic, batch.kind, stamps, encode(batch.kind, numbers, batch.texts))
+        chunks.messages(batch.topic, stamps, encode(batch.kind, numbers, batch.texts))
 
 
 def _put_manifest(chunks: ChunkWriter, manifest: Manifest, origin: int) -> None:

@@ -129,7 +129,7 @@ def test_disk_that_is_full_is_one_sentence_and_keeps_what_was_written(station, f
     monkeypatch.setattr(writer.RawWriter, "append", and_let_it_be_written)
     ready_to_acquire("T1", fresh)  # the catalogue is there before the disk is full
     before = resource.getrlimit(resource.RLIMIT_FSIZE)
-    resource.setrlimit(resource.RLIMIT_FSIZE, (150_000, before[1]))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (250_000, before[1]))
     try:
         with pytest.raises(BrokenOff, match="could not be written") as end:
             acquire_run(station, PROCEDURE_ACQUIRE, fresh, lambda _: None)

@@ -6,6 +6,8 @@ import signal
 import subprocess
 import sys
 import threading
+import time
+from collections import Counter
 from dataclasses import replace
 from datetime import UTC, datetime
 from pathlib import Path
@@ -30,8 +32,9 @@ from schemas.recording import (
 )
 from storage.formats.content import canonical, digest
 from storage.formats.folder import read_folder
-from storage.formats.mcap.messages import ENVIRONMENT_TOPICS
-from storage.formats.mcap.reader import read_mcap
+from storage.formats.mcap.chunks import ChunkWriter
+from storage.formats.mcap.messages import ENVIRONMENT_TOPICS, UNIT_TEMPERATURE_TOPIC
+from storage.formats.mcap.reader import NothingWhole, read_mcap
 from storage.formats.mcap.writer import RawWriter, write_mcap
 from tests.shared import shared_path
 from tests.storage.formats.mcap.small_recording import imu_stream, manifest, recording
@@ -190,6 +193,37 @@ def test_fault_of_the_disk_is_raised_by_a_later_call(tmp_path):
             writer.close()
     finally:
         resource.setrlimit(resource.RLIMIT_FSIZE, before)
+
+
+@pytest.mark.parametrize("whole", [0, 1])
+def test_a_reading_whose_temperature_was_not_yet_written_is_not_whole(tmp_path, monkeypatch, whole):
+    """A kill between both: what goes on from there would have temperatures for some rows only."""
+    warm = imu_stream(300)
+    warm = Stream(warm.t, warm.columns | {"temperature": np.full(300, 21.5)})
+    write, written = ChunkWriter.messages, Counter[str]()
+
+    def until_killed(chunks: ChunkWriter, topic: str, *block) -> None:
+        if topic == UNIT_TEMPERATURE_TOPIC and written[topic] == whole:
+            raise OSError("killed")
+        written[topic] += 1
+        write(chunks, topic, *block)
+
+    monkeypatch.setattr(ChunkWriter, "messages", until_killed)
+    monkeypatch.setattr("storage.formats.mcap.writer.PERIOD", 1e-3)
+    writer = RawWriter(tmp_path / "raw.mcap")
+    writer.manifest(manifest())
+    for start in (0, 100)[: whole + 1]:
+        writer.append("imu", warm.at(slice(start, start + 100)))
+        while written["/imu/data"] * 100 <= start:
+            time.sleep(1e-3)
+    with pytest.raises(OSError, match="killed"):
+        writer.close()
+    if whole:
+        assert len(read_mcap(tmp_path / "raw.mcap", salvage=True).imu) == 100
+    else:
+        with pytest.raises(NothingWhole) as nothing:
+            read_mcap(tmp_path / "raw.mcap", salvage=True)
+        assert nothing.value.manifest == manifest()
 
 
 def test_disk_that_keeps_rows_waiting_is_said_and_nothing_given_is_lost(tmp_path, monkeypatch):
