@@ -20,12 +20,15 @@ from tasks.explain.noise import (
 from tasks.explain.search.design import BandedDesign, ChannelDesign, residuals, with_columns
 from tasks.explain.search.empirical import (
     SINUSOIDS,
+    lagged,
+    others,
     regression_term,
     scale_factor_drift,
     slow_drift,
+    tilt_columns,
 )
 from tasks.model.fit import inverse
-from tasks.model.term import STILL, Column, G, Inputs, SensorTerm, Term, turned
+from tasks.model.term import STILL, Column, G, Inputs, Parameter, SensorTerm, Term, turned
 from tasks.model.terms.electronics import BANDWIDTH
 from tasks.model.terms.hysteresis import faded, last_peak, last_sign, stopped
 from tasks.motion.samples import bridged, first_order_lag
@@ -34,19 +37,22 @@ from tasks.words import message
 
 # Kinds of behaviour as random functions of their own drive: forms that no publication lists.
 #
-# A hysteresis is a sum of plays and relays of several widths, which remember rate, angle or
-# specific force; a non-linearity a function of the own input that bends at many places; a
-# rectification one of the vibration and of the speeds that make it; a late temperature, or the
-# heat of turning, a distribution of lags. Each weight is normal about zero, of one variance in a
+# A hysteresis is a sum of plays and relays of several widths and of relaxations, which remember
+# rate, angle or specific force, of the own axis or of any; a non-linearity a function of the own
+# input that bends at many places; a rectification one of the vibration and of the speeds that make
+# it; a fixture gives way by a function of attitude or speed; a late temperature, or the heat of
+# turning, is a distribution of lags. Each weight is normal about zero, of one variance in a
 # kind: a Gaussian process of the drive, whose weights the evidence integrates out (Preisach's and
 # Prandtl's operators with random weights; C. E. Rasmussen and C. K. I. Williams, Gaussian
-# Processes for Machine Learning, 2006, 2.7).
+# Processes for Machine Learning, 2006, 2.7). Functions of what drives a memory that remember
+# nothing compete with it without a name: a memory is what none of them explains as well.
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7)  # of the largest drive: radii of plays
 # Of the largest rate: slower turns are not remembered.
 FAST = (0.0, 0.05, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85)
 ANGLES = (0.03, 0.1, 0.3, 1.0, 3.0)  # rad
 FORGOTTEN = (6.0, 20.0, 60.0)  # s
+RELAXING = (2.0, 6.0, 20.0, 60.0, 200.0)  # s
 LEVELS = (-0.75, -0.3, 0.3, 0.75)  # of the largest specific force: thresholds of relays
 BENDS = np.arange(-0.9, 0.95, 0.15)  # of the largest input
 SPEEDS = (0.0, 0.1, 0.2, 0.35, 0.5, 0.7)  # of the largest rate: where a rectification bends
@@ -59,7 +65,9 @@ GIVING_WAY = (0.3, 1.0, 2.5)  # K: radii of plays
 # A table shakes more the faster it turns; the air is warmer before the unit is.
 OF_SHAKING, OF_HEATING = ("ω_i²", "|ω_j|", "ω⁴"), ("lag(ω²)", "lag(|ω|)")
 OF_TEMPERATURE = ("air_temperature",)
+OF_ATTITUDE = ("f_j·f_k", "f_i·f_j", "f_j²")
 FEW = 0.5  # K: a smaller change of temperature shows no lag
+LITTLE = 1e-3  # V: a smaller change of supply shows no bend
 Bank = Callable[[Motion, Inputs, int], list[np.ndarray]]
 
 
@@ -68,7 +76,8 @@ class Behaviour:
     """A kind of behaviour in the channels of a triad, or of both.
 
     name: of the catalogue, for all of its forms. bank: the columns of a channel. empirical: what an
-    empirical term follows that is a form of it, in these channels.
+    empirical term follows that is a form of it, in these channels. shared: the bank is the same for
+    all of them.
     """
 
     kind: str
@@ -77,6 +86,7 @@ class Behaviour:
     channels: tuple[int, ...]
     bank: Bank
     empirical: tuple[str, ...] = ()
+    shared: bool = False
 
 
 def behaviours(motion: Motion) -> Iterator["UnlistedForm"]:
@@ -84,29 +94,49 @@ def behaviours(motion: Motion) -> Iterator["UnlistedForm"]:
     inputs = Inputs.of(motion)
     for one in _possible(motion):
         yield _term(one, len(one.bank(motion, inputs, one.channels[0])))
+    if turned(motion):
+        yield _giving_fixture(motion, inputs)
 
 
 def _possible(motion: Motion) -> Iterator[Behaviour]:
     if turned(motion):
-        yield Behaviour("hysteresis", "hysteresis", "memory", GYROS, _memories_of_rate)
-        yield Behaviour("hysteresis", "hysteresis", "memory", ACCELS, _memories_of_force)
+        memory = partial(Behaviour, "hysteresis", "hysteresis", "memory")
+        yield memory(GYROS, _memories_of_rate, ("lag(ω)",))
+        yield memory(ACCELS, _memories_of_force, ("lag(f)",))
+        yield memory(ACCELS, _memories_of_turns, shared=True)
+        yield memory(GYROS, _memories_of_attitude, ("lag(f)",), shared=True)
+        for triad in TRIADS:
+            yield Behaviour("attitude", UNNAMED, UNNAMED, triad, _of_attitude, OF_ATTITUDE)
+        yield Behaviour("other rates", UNNAMED, UNNAMED, GYROS, _of_other_rates, ("|ω_j|", "ω_j²"))
         yield Behaviour("non-linearity", "gyro_scale_nonlinearity", "gyro", GYROS, _bent)
+        yield Behaviour(
+            "angular acceleration", "gyro_angular_acceleration", "gyro", GYROS, _accelerated,
+            ("|ω̇|",),
+        )  # fmt: skip
         yield Behaviour(
             "rectification", "vibration_rectification", "accelerometer", ACCELS, _shaken, OF_SHAKING
         )
-        yield Behaviour("heating", UNNAMED, UNNAMED, EVERY, _heated, OF_HEATING)
+        yield Behaviour("heating", UNNAMED, UNNAMED, EVERY, _heated, OF_HEATING, True)
     yield Behaviour("non-linearity", "accel_nonlinearity", "accelerometer", ACCELS, _bent)
-    temperature = motion.recorded.get("temperature")
-    if temperature is not None and np.nanmax(temperature) - np.nanmin(temperature) > FEW:
+    if _varies(motion, "temperature", FEW):
         yield Behaviour(
-            "late temperature", "temperature_bias", "environment", EVERY, _late, OF_TEMPERATURE
-        )
+            "late temperature", "temperature_bias", "environment", EVERY, _late, OF_TEMPERATURE,
+            shared=True,
+        )  # fmt: skip
+        yield Behaviour("heated scale", "temperature_scale", "environment", EVERY, _scaled)
+    if _varies(motion, "supply_voltage", LITTLE):
+        yield Behaviour("supply", "supply_sensitivity", "environment", EVERY, _supplied, shared=True)
+
+
+def _varies(motion: Motion, key: str, least: float) -> bool:
+    """Whether something recorded changes by more than `least`."""
+    recorded = motion.recorded.get(key)
+    return recorded is not None and float(np.nanmax(recorded) - np.nanmin(recorded)) > least
 
 
 def _term(one: Behaviour, count: int) -> "UnlistedForm":
     title = message(f"explain-unlisted-{one.kind.replace(' ', '-')}")
-    shared = one.channels == EVERY
-    term = regression_term(one.kind, title, one.channels, count, one.bank, shared)
+    term = regression_term(one.kind, title, one.channels, count, one.bank, one.shared)
     return UnlistedForm(
         one.name, one.family, "sensor", "Σₖ wₖ·sₖ, wₖ normal", "random function of its own drive",
         term.parameters, own_title=title, reads=term.reads, form_of=one, per_channel=count,
@@ -130,14 +160,28 @@ def _share(values: np.ndarray) -> np.ndarray:
 def _memories_of_rate(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
     rate = motion.rate[:, channel]
     top = float(np.abs(np.nan_to_num(motion.rate)).max())
-    angle = np.cumsum(np.nan_to_num(rate)) * motion.interval
     return [
         *(stopped(rate, share * top) for share in SHARES),
-        *(stopped(angle, radius) for radius in ANGLES),
-        *(last_sign(rate, max(STILL, share * top)) for share in FAST),
-        *(faded(rate, motion.t, seconds, STILL) for seconds in FORGOTTEN),
+        *(last_sign(rate, max(STILL, share * top)) for share in FAST[1:]),
+        *(lagged(rate, motion.t, seconds) for seconds in RELAXING),
         last_peak(rate, STILL),
+        *_memories_of_turn(motion, channel),
     ]
+
+
+def _memories_of_turn(motion: Motion, axis: int) -> list[np.ndarray]:
+    """Of the angle turned about an axis, and of the last turn's sense."""
+    rate = motion.rate[:, axis]
+    angle = np.cumsum(np.nan_to_num(rate)) * motion.interval
+    return [
+        *(stopped(angle, radius) for radius in ANGLES),
+        last_sign(rate, STILL),
+        *(faded(rate, motion.t, seconds, STILL) for seconds in FORGOTTEN),
+    ]
+
+
+def _memories_of_turns(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    return [one for axis in range(3) for one in _memories_of_turn(motion, axis)]
 
 
 def _memories_of_force(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
@@ -149,6 +193,37 @@ def _memories_of_force(motion: Motion, inputs: Inputs, channel: int) -> list[np.
         *(_relay(force, up, down) for up in levels for down in levels if up > down),
         last_sign(change, still),
         *(faded(change, motion.t, seconds, still) for seconds in FORGOTTEN),
+        *(lagged(force, motion.t, seconds) / G for seconds in RELAXING),
+    ]
+
+
+def _memories_of_attitude(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    return [one for axis in range(3) for one in _memories_of_force(motion, inputs, axis)]
+
+
+def _of_attitude(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    """Functions that remember nothing of the specific force along the other axes; of a gyro along
+    its own, too.
+    """
+    force = inputs.force / G
+    axes = range(3) if channel in GYROS else others(channel)
+    bent = [np.abs(force[:, j] - bend) for j in axes for bend in BENDS[::2]]
+    return [*bent, *(force[:, j] * force[:, (j + 1) % 3] for j in range(3))]
+
+
+def _of_other_rates(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    """Functions of the other axes' rates that remember nothing."""
+    rate = _share(inputs.rate)
+    return [np.abs(rate[:, j] - bend) for j in others(channel) for bend in BENDS[::2]]
+
+
+def _accelerated(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    """Functions of the angular acceleration about each axis."""
+    size = _share(motion.acceleration)
+    return [
+        one
+        for j in range(3)
+        for one in (size[:, j], np.abs(size[:, j]), size[:, j] ** 2, size[:, j] ** 3)
     ]
 
 
@@ -192,7 +267,57 @@ def _late(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
         *(late(seconds) for seconds in LAGS),
         *(late(seconds) ** 2 / 10.0 for seconds in BENT_LAGS),
         *(radius * stopped(late(LAGS[0]), radius) for radius in GIVING_WAY),
+        *(np.abs(_centred(known) - bend) for bend in BENDS[::2]),
     ]
+
+
+def _supplied(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    volts = _centred(motion.recorded["supply_voltage"])
+    return [volts, *(np.abs(volts - bend) for bend in BENDS[::2])]
+
+
+def _scaled(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
+    own = (inputs.rate if channel in GYROS else inputs.force)[:, channel % 3]
+    kelvins = _centred(motion.recorded["temperature"])
+    return [own * one for one in (kelvins, *(np.abs(kelvins - bend) for bend in BENDS[::2]))]
+
+
+def _centred(recorded: np.ndarray) -> np.ndarray:
+    """(n,) from −1 to 1 over the range of something recorded."""
+    known = bridged(recorded[:, None])[:, 0]
+    low, high = float(known.min()), float(known.max())
+    return (2.0 * known - low - high) / (high - low)
+
+
+def _giving_way(motion: Motion, inputs: Inputs) -> list[np.ndarray]:
+    """Functions of attitude, and of the speed of turning."""
+    up, speed = np.nan_to_num(motion.up), np.linalg.norm(_share(motion.rate), axis=1)
+    return [
+        *(up[:, j] for j in range(3)),
+        *(np.abs(up[:, j] - bend) for j in range(3) for bend in BENDS[::3]),
+        *(np.maximum(_share(speed) - least, 0.0) for least in SPEEDS),
+    ]
+
+
+def _giving_fixture(motion: Motion, inputs: Inputs) -> "UnlistedForm":
+    """A fixture that turns by functions of attitude and speed."""
+    count = 3 * len(_giving_way(motion, inputs))
+
+    def columns(motion: Motion, inputs: Inputs, at: tuple[float, ...]) -> tuple[Column, ...]:
+        return tuple(
+            one for regressor in _giving_way(motion, inputs)
+            for one in tilt_columns(regressor, motion, inputs)
+        )  # fmt: skip
+
+    behaviour = Behaviour("fixture", "structural_compliance", "motion", EVERY, _of_attitude)
+    parameters = tuple(Parameter(f"tilt_{k}", "tilt", "rad", "rad", (-0.01, 0.01))
+                       for k in range(count))  # fmt: skip
+    return UnlistedForm(
+        behaviour.name, behaviour.family, "sensor", "φ = Σₖ wₖ·sₖ, wₖ normal",
+        "random function of its own drive", parameters,
+        own_title=message("explain-unlisted-fixture"), reads=columns, form_of=behaviour,
+        per_channel=count,
+    )  # fmt: skip
 
 
 LINEAR_STEP = 1e-3  # of the plausible range: small enough to be linear

@@ -47,17 +47,7 @@ class EmpiricalTilt(Term):
 
     def columns(self, motion: Motion, inputs: Inputs) -> tuple[Column, ...]:
         """Readings of an ideal unit per unit of each component, to which they are linear."""
-        regressor = np.nan_to_num(self.regressor(motion))
-        slope = np.gradient(regressor, motion.t)
-        found = []
-        for axis in range(3):
-            j, k = (axis + 1) % 3, (axis + 2) % 3
-            rate, force = inputs.rate, inputs.force
-            found.append({
-                axis: slope, j: regressor * rate[:, k], k: -regressor * rate[:, j],
-                3 + j: regressor * force[:, k], 3 + k: -regressor * force[:, j],
-            })  # fmt: skip
-        return tuple(found)
+        return tuple(tilt_columns(self.regressor(motion), motion, inputs))
 
     def moved(self, motion: Motion, values: np.ndarray) -> Motion:
         regressor = np.nan_to_num(self.regressor(motion))
@@ -67,6 +57,19 @@ class EmpiricalTilt(Term):
                 angle, speed = values[axis] * regressor, values[axis] * slope
                 motion = with_small_rotation(motion, np.eye(3)[axis], angle, speed, motion.rate)
         return motion
+
+
+def tilt_columns(regressor: np.ndarray, motion: Motion, inputs: Inputs) -> Iterator[Column]:
+    """Readings of an ideal unit for each component (rad) of a turn by so much of a regressor (n,)."""
+    known = np.nan_to_num(regressor)
+    slope = np.gradient(known, motion.t)
+    rate, force = inputs.rate, inputs.force
+    for axis in range(3):
+        j, k = others(axis)
+        yield {
+            axis: slope, j: known * rate[:, k], k: -known * rate[:, j],
+            3 + j: known * force[:, k], 3 + k: -known * force[:, j],
+        }  # fmt: skip
 
 
 def regression_term(
@@ -376,7 +379,7 @@ def _lag(
     return [lagged(signal(motion, inputs, channel), motion.t, tau)]
 
 
-def _others(channel: int) -> tuple[int, int]:
+def others(channel: int) -> tuple[int, int]:
     axis = channel % 3
     return (axis + 1) % 3, (axis + 2) % 3
 
@@ -384,22 +387,22 @@ def _others(channel: int) -> tuple[int, int]:
 def _products(left_out: LeftOut) -> Iterator[Term]:
     products: list[tuple[str, str, str, tuple[int, ...], int, Regressors]] = [
         ("ω_j·ω_k", "other-rates", RATE_2, EVERY, 1,
-         lambda m, u, c: [u.rate[:, _others(c)[0]] * u.rate[:, _others(c)[1]]]),
+         lambda m, u, c: [u.rate[:, others(c)[0]] * u.rate[:, others(c)[1]]]),
         ("ω_i·ω_j", "own-rate", RATE_2, EVERY, 2,
-         lambda m, u, c: [u.rate[:, c % 3] * u.rate[:, j] for j in _others(c)]),
+         lambda m, u, c: [u.rate[:, c % 3] * u.rate[:, j] for j in others(c)]),
         ("f_j·f_k", "other-forces", FORCE_2, EVERY, 1,
-         lambda m, u, c: [u.force[:, _others(c)[0]] * u.force[:, _others(c)[1]]]),
+         lambda m, u, c: [u.force[:, others(c)[0]] * u.force[:, others(c)[1]]]),
         ("f_i·f_j", "own-force", FORCE_2, EVERY, 2,
-         lambda m, u, c: [u.force[:, c % 3] * u.force[:, j] for j in _others(c)]),
+         lambda m, u, c: [u.force[:, c % 3] * u.force[:, j] for j in others(c)]),
         ("f_j²", "squared-other-forces", FORCE_2, ACCELS, 2,
-         lambda m, u, c: [u.force[:, j] ** 2 for j in _others(c)]),
+         lambda m, u, c: [u.force[:, j] ** 2 for j in others(c)]),
         ("ω_j²", "squared-other-rates", RATE_2, GYROS, 2,
-         lambda m, u, c: [u.rate[:, j] ** 2 for j in _others(c)]),
+         lambda m, u, c: [u.rate[:, j] ** 2 for j in others(c)]),
         ("ω_i²", "squared-own-rate", RATE_2, ACCELS, 1,
          lambda m, u, c: [u.rate[:, c % 3] ** 2]),
         ("ω", "rates", RATE, ACCELS, 3, lambda m, u, c: list(u.rate.T)),
         ("|ω_j|", "other-rate-sizes", RATE, EVERY, 2,
-         lambda m, u, c: [np.abs(u.rate[:, j]) for j in _others(c)]),
+         lambda m, u, c: [np.abs(u.rate[:, j]) for j in others(c)]),
         ("ω⁴", "fourth-power", "(rad/s)^4", EVERY, 1,
          lambda m, u, c: [(u.rate**2).sum(axis=1) ** 2]),
         ("ω̇", "angular-acceleration", TURNING, ACCELS, 3,

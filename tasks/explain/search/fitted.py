@@ -472,7 +472,10 @@ def with_kinds(
     kinds = tuple(behaviours(motion))
     names = {kind.name for kind in kinds}
     of_kinds = [kind.form_of for kind in kinds]
-    left_out = {follows: one.channels for one in of_kinds for follows in one.empirical}
+    left_out: dict[str, tuple[int, ...]] = {}
+    for one in of_kinds:
+        for follows in one.empirical:
+            left_out[follows] = (*left_out.get(follows, ()), *one.channels)
     forms = {one.candidate.term.equation for one in doubtful if one.candidate.name in names}
     return (
         *(term for term in listed if term.source != PLAYS and term.equation not in forms),
