@@ -291,6 +291,7 @@ COVERAGE = 2.0  # standard uncertainties in U
 CERTAIN = 2.0 * log(99.0)  # of a share of 0.99: what differs by less cannot be told apart
 PUBLISHED = 0.03  # relative: by which units depart from a published equation
 UNPUBLISHED = 0.12  # the same of what is called by its behaviour, or not found
+UNKNOWN = 0.5  # the same of what has no name, along a name in the same readings
 
 
 def as_likely_within(gain: float) -> float:

@@ -7,6 +7,9 @@ a random effect along that finding, of a variance in proportion to what the othe
 noise, whose variance is one. Of a gain g, the square of a fitted size in units of its noise, the
 log of the odds keeps g/(1 + v), v = Σ τ²·g of the others in the channels of the finding.
 
+What has no name may be one law with what a name was given: where both add to the same readings at
+the same time, half of its size may lie along the name.
+
 The gain of each channel is counted in units of what is left there, χ² per degree of freedom
 (Birge's ratio). Of a memory one form stands for its kind, known no better than an unpublished one.
 """
@@ -23,6 +26,7 @@ from tasks.explain.explanation import (
     CHANNELS,
     COVERAGE,
     PUBLISHED,
+    UNKNOWN,
     UNNAMED,
     UNPUBLISHED,
     DeterminedModel,
@@ -71,6 +75,10 @@ def named_beside(
         left = float(unexplained[channels].sum())
         most_left = float(np.fmax.reduce(scale[channels], initial=1.0))
         by_forms, by_left = float(forms @ others), UNPUBLISHED**2 * left
+        by_forms += UNKNOWN**2 * sum(
+            float(g) * _at_once(one, other, noise)
+            for g, other in zip(others, every, strict=True) if g and other.effect == UNNAMED
+        )  # fmt: skip
         if _log_odds(one, float(counted[number].sum()), 1.0 + by_forms + by_left) > CERTAIN:
             named.append(one)
             continue
@@ -82,6 +90,14 @@ def named_beside(
         )
         named.append(without_name(one, refusal))
     return named
+
+
+def _at_once(one: Finding, other: Finding, noise: np.ndarray) -> float:
+    """0 to 1: how far two findings add to the same readings at the same time, whatever the sign."""
+    sizes = [np.nan_to_num(np.abs(each.contribution) / np.where(noise > 0, noise, np.inf))
+             for each in (one, other)]  # fmt: skip
+    powers = float((sizes[0] ** 2).sum() * (sizes[1] ** 2).sum())
+    return float((sizes[0] * sizes[1]).sum()) ** 2 / max(powers, 1e-300)
 
 
 def _log_odds(finding: Finding, gain: float, variance: float) -> float:

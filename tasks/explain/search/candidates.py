@@ -49,7 +49,7 @@ from tasks.words import message
 
 SHARES = (0.02, 0.05, 0.1, 0.2, 0.4, 0.7)  # of the largest drive: radii of plays
 # Of the largest rate: slower turns are not remembered.
-FAST = (0.0, 0.05, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85)
+FAST = (0.05, 0.15, 0.25, 0.4, 0.55, 0.7, 0.85)
 ANGLES = (0.03, 0.1, 0.3, 1.0, 3.0)  # rad
 FORGOTTEN = (6.0, 20.0, 60.0)  # s
 RELAXING = (2.0, 6.0, 20.0, 60.0, 200.0)  # s
@@ -125,7 +125,9 @@ def _possible(motion: Motion) -> Iterator[Behaviour]:
         )  # fmt: skip
         yield Behaviour("heated scale", "temperature_scale", "environment", EVERY, _scaled)
     if _varies(motion, "supply_voltage", LITTLE):
-        yield Behaviour("supply", "supply_sensitivity", "environment", EVERY, _supplied, shared=True)
+        yield Behaviour(
+            "supply", "supply_sensitivity", "environment", EVERY, _supplied, shared=True
+        )
 
 
 def _varies(motion: Motion, key: str, least: float) -> bool:
@@ -162,7 +164,7 @@ def _memories_of_rate(motion: Motion, inputs: Inputs, channel: int) -> list[np.n
     top = float(np.abs(np.nan_to_num(motion.rate)).max())
     return [
         *(stopped(rate, share * top) for share in SHARES),
-        *(last_sign(rate, max(STILL, share * top)) for share in FAST[1:]),
+        *(last_sign(rate, max(STILL, share * top)) for share in FAST),
         *(lagged(rate, motion.t, seconds) for seconds in RELAXING),
         last_peak(rate, STILL),
         *_memories_of_turn(motion, channel),

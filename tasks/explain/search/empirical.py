@@ -60,7 +60,7 @@ class EmpiricalTilt(Term):
 
 
 def tilt_columns(regressor: np.ndarray, motion: Motion, inputs: Inputs) -> Iterator[Column]:
-    """Readings of an ideal unit for each component (rad) of a turn by so much of a regressor (n,)."""
+    """Readings of an ideal unit per rad of each component of a turn by a regressor (n,)."""
     known = np.nan_to_num(regressor)
     slope = np.gradient(known, motion.t)
     rate, force = inputs.rate, inputs.force

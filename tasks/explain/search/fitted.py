@@ -459,24 +459,32 @@ def with_kinds(
     """The terms to search with kinds of behaviour; none where none is in question.
 
     listed: terms of the catalogue. selected: what a search of them and of empirical terms selected.
-    Kinds are in question where something has no name, or a form in doubt; but not where a delay or
-    a filter is as clear, or in every model: what one differs by from the other follows changes of
-    the motion, as memory does.
+    Kinds are in question where something has no name, or a form in doubt, or where a kind's name
+    does not stand alone: the second may be what the first one's form lacks. But not where a delay
+    or a filter is as clear, or in every model: what one differs by from the other follows changes
+    of the motion, as memory does.
     """
-    doubtful = [one for one in selected if _in_doubt(one.candidate)]
+    kinds = tuple(behaviours(motion))
+    names = {kind.name for kind in kinds}
+    several = len([one for one in selected if not one.candidate.nuisance]) > 1
+    doubtful = [
+        one for one in selected
+        if _in_doubt(one.candidate) or (several and one.candidate.name in names)
+    ]  # fmt: skip
     signal = [one for one in selected if one.candidate.term.stage == "signal"]
     least = max((one.gain for one in signal), default=0.0)
     clear = any(one.gain > least for one in doubtful)
     if not clear or any(one.candidate.nuisance for one in signal):
         return ()
-    kinds = tuple(behaviours(motion))
-    names = {kind.name for kind in kinds}
     of_kinds = [kind.form_of for kind in kinds]
     left_out: dict[str, tuple[int, ...]] = {}
     for one in of_kinds:
         for follows in one.empirical:
             left_out[follows] = (*left_out.get(follows, ()), *one.channels)
-    forms = {one.candidate.term.equation for one in doubtful if one.candidate.name in names}
+    forms = {
+        one.candidate.term.equation for one in doubtful
+        if one.candidate.name in names and _in_doubt(one.candidate)
+    }  # fmt: skip
     return (
         *(term for term in listed if term.source != PLAYS and term.equation not in forms),
         *empirical(motion, left_out),
