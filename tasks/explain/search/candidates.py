@@ -123,7 +123,6 @@ def _possible(motion: Motion) -> Iterator[Behaviour]:
             "late temperature", "temperature_bias", "environment", EVERY, _late, OF_TEMPERATURE,
             shared=True,
         )  # fmt: skip
-        yield Behaviour("heated scale", "temperature_scale", "environment", EVERY, _scaled)
     if _varies(motion, "supply_voltage", LITTLE):
         yield Behaviour(
             "supply", "supply_sensitivity", "environment", EVERY, _supplied, shared=True
@@ -276,12 +275,6 @@ def _late(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
 def _supplied(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
     volts = _centred(motion.recorded["supply_voltage"])
     return [volts, *(np.abs(volts - bend) for bend in BENDS[::2])]
-
-
-def _scaled(motion: Motion, inputs: Inputs, channel: int) -> list[np.ndarray]:
-    own = (inputs.rate if channel in GYROS else inputs.force)[:, channel % 3]
-    kelvins = _centred(motion.recorded["temperature"])
-    return [own * one for one in (kelvins, *(np.abs(kelvins - bend) for bend in BENDS[::2]))]
 
 
 def _centred(recorded: np.ndarray) -> np.ndarray:

@@ -25,7 +25,6 @@ explain-unlisted-attitude = an error that follows the attitude in a form of its 
 explain-unlisted-other-rates = an error that follows the rates about the other axes in a form of its own
 explain-unlisted-angular-acceleration = an error that follows the angular acceleration in a form that no publication lists
 explain-unlisted-fixture = a fixture that gives way to attitude or speed in a form that no publication lists
-explain-unlisted-heated-scale = a scale factor that follows the temperature in a form that no publication lists
 explain-unlisted-supply = an error that follows the supply voltage in a form that no publication lists
 explain-scale-factor-drift = a scale factor that wanders with time, unrelated to any recorded quantity
 explain-wave = an oscillation with a period of about { $period } s

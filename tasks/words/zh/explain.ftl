@@ -25,7 +25,6 @@ explain-unlisted-attitude = 随姿态变化的误差，其形式未知
 explain-unlisted-other-rates = 随其他轴角速率变化的误差，其形式未知
 explain-unlisted-angular-acceleration = 随角加速度变化的误差，其形式未见于文献
 explain-unlisted-fixture = 工装随姿态或转速变形，其形式未见于文献
-explain-unlisted-heated-scale = 标度因数随温度变化，其形式未见于文献
 explain-unlisted-supply = 随供电电压变化的误差，其形式未见于文献
 explain-scale-factor-drift = 标度因数随时间漂移，与任何记录量均无关
 explain-wave = 周期约 { $period } s 的波动
