@@ -8,7 +8,8 @@ noise, whose variance is one. Of a gain g, the square of a fitted size in units 
 log of the odds keeps g/(1 + v), v = Σ τ²·g of the others in the channels of the finding.
 
 What has no name may be one law with what a name was given: where both add to the same readings at
-the same time, half of its size may lie along the name.
+the same time, half of its size may lie along the name. A random walk, which any course resembles,
+is the last resort: all of it may.
 
 The gain of each channel is counted in units of what is left there, χ² per degree of freedom
 (Birge's ratio). Of a memory one form stands for its kind, known no better than an unpublished one.
@@ -40,7 +41,7 @@ from tasks.model.fit import inverse
 from tasks.model.model import Model
 from tasks.model.term import TermKey
 
-MEMORY = "hysteresis"
+MEMORY, WALK = "hysteresis", "bias_random_walk"
 
 
 def named_beside(
@@ -75,8 +76,8 @@ def named_beside(
         left = float(unexplained[channels].sum())
         most_left = float(np.fmax.reduce(scale[channels], initial=1.0))
         by_forms, by_left = float(forms @ others), UNPUBLISHED**2 * left
-        by_forms += UNKNOWN**2 * sum(
-            float(g) * _at_once(one, other, noise)
+        by_forms += sum(
+            float(g) * (1.0 if one.effect == WALK else UNKNOWN**2 * _at_once(one, other, noise))
             for g, other in zip(others, every, strict=True) if g and other.effect == UNNAMED
         )  # fmt: skip
         if _log_odds(one, float(counted[number].sum()), 1.0 + by_forms + by_left) > CERTAIN:
