@@ -38,8 +38,9 @@ def main(target: Path) -> None:
     for axes, label in zip(run, ("gyro, °/s", "accelerometer, m/s²", "°C"), strict=True):
         axes.set_ylabel(label)
         axes.legend(loc="upper right", fontsize=8, ncols=3)
-    run[0].set_title(f"{recording.manifest.recording_id}: one command, 38 minutes of station time",
-                     fontsize=10)  # fmt: skip
+    run[0].set_title(
+        f"{recording.manifest.recording_id}: one command, 38 minutes of station time", fontsize=10
+    )
     run[2].set_xlabel("station time, minutes")
     document = pypdfium2.PdfDocument(home().path / entry.pdf)
     for page, place in zip(PAGES, pages, strict=True):

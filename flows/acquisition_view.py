@@ -13,11 +13,12 @@ from rich.text import Text
 
 from flows.terminal import CONSOLE
 from schemas.recording import RunStatus
-from tasks.station.progress import Progress as AcquisitionProgress
 from tasks.words import say
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
+
+    from tasks.station.acquisition import Progress as AcquisitionProgress
 
 
 PLAIN_EVERY_S = 30.0  # a short run that fails prints only its one sentence
@@ -25,7 +26,7 @@ UNITS = {"gyro": "°/s", "accel": "m/s²"}
 
 
 @contextmanager
-def acquisition_view() -> Iterator[Callable[[AcquisitionProgress], None]]:
+def acquisition_view() -> "Iterator[Callable[[AcquisitionProgress], None]]":
     """Yields the function that shows the status of a run."""
     if not CONSOLE.is_terminal:
         yield plain_lines()
@@ -34,11 +35,11 @@ def acquisition_view() -> Iterator[Callable[[AcquisitionProgress], None]]:
         yield lambda progress: live.update(view(progress), refresh=True)
 
 
-def plain_lines() -> Callable[[AcquisitionProgress], None]:
+def plain_lines() -> "Callable[[AcquisitionProgress], None]":
     """A status line on standard error every PLAIN_EVERY_S of wall time."""
     printed_s = time.monotonic()
 
-    def show(progress: AcquisitionProgress) -> None:
+    def show(progress: "AcquisitionProgress") -> None:
         nonlocal printed_s
         if time.monotonic() - printed_s >= PLAIN_EVERY_S:
             printed_s = time.monotonic()
@@ -48,7 +49,7 @@ def plain_lines() -> Callable[[AcquisitionProgress], None]:
     return show
 
 
-def view(progress: AcquisitionProgress) -> Table:
+def view(progress: "AcquisitionProgress") -> Table:
     """A table of facts, with the alarms last."""
     table = Table.grid(padding=(0, 2))
     for name, value in facts(progress).items():
@@ -60,7 +61,7 @@ def view(progress: AcquisitionProgress) -> Table:
     return table
 
 
-def facts(progress: AcquisitionProgress | RunStatus) -> dict[str, str]:
+def facts(progress: "AcquisitionProgress | RunStatus") -> dict[str, str]:
     """State, segment, time, rates, noise and alarms in words; unknown ones are left out."""
     rates = ", ".join(f"{name} {hertz:.1f} Hz" for name, hertz in progress.rates_hz.items())
     noise = ", ".join(f"{name} {value:.2g} {UNITS[name]}" for name, value in progress.noise.items())

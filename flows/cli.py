@@ -232,7 +232,7 @@ def acquire(
     """
     from flows import execute
     from flows.carry_out import as_flow_run
-    from flows.shown_results import print_acquired
+    from flows.shown_results import print_acquired, print_dry_run
     from flows.terminal import ask_for_operator
     from schemas.orders import AcquireOrder
 
@@ -240,10 +240,8 @@ def acquire(
         station=station_file, procedure=procedure, attended=not as_json, resume=resume, by=by
     )
     if dry_run:
-        from flows.dry_run import print_dry_run
-
         execute.check_acquisition(order)
-        print_dry_run(order, as_json)
+        print_dry_run(execute.procedure_of(order), as_json)
         return
     if by is None and order.attended:
         order = order.model_copy(update={"by": ask_for_operator()})

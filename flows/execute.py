@@ -32,9 +32,9 @@ from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
 from storage.stations import file_named, release
+from tasks.stages.acquire import procedure_named
 from tasks.stages.authority import authorised_operator
 from tasks.stages.import_recording import run_of
-from tasks.stages.procedure_input import procedure_named
 from tasks.stages.stop import current_user
 
 if TYPE_CHECKING:
@@ -93,7 +93,6 @@ def release_station(order: AcquireOrder) -> None:
 
 
 def _acquisition(order: AcquireOrder) -> "tuple[StationFile, Procedure, Ask | None]":
-    """The station, the procedure, and how to prompt the operator."""
     file = file_named(order.station, home_of(order))
     station, procedure = settings.read(file, StationFile), procedure_of(order)
     if order.units:

@@ -11,6 +11,7 @@ from schemas.base import Unusable
 from storage.home import home
 
 if TYPE_CHECKING:
+    from schemas.recording import Segment
     from storage.formats.convert import Changes
     from storage.home import Home
     from tasks.stages.import_recording import Imported
@@ -176,7 +177,6 @@ def _import_log(
 ) -> list[dict[str, Any]]:  # fmt: skip
     """Shows what was understood of a logger's table, and keeps it; nothing where it is not kept."""
     from flows.terminal import working
-    from flows.understood import print_understood, understood_document
     from tasks.stages.logger_table import keep_log, mapping_like, understand
 
     with working(f"reading {path.name}"):
@@ -185,9 +185,9 @@ def _import_log(
             like=None if like is None else mapping_like(like, home),
         )  # fmt: skip
     if not as_json:
-        print_understood(shown)
+        _print_understood(shown)
     confirmed = not yes and not as_json and _confirmed(shown)
-    document = {"understood": understood_document(shown)}
+    document = {"understood": _understood_document(shown)}
     if not (yes or confirmed):
         print(f"{path}: nothing was kept; add --yes to keep it as shown", file=sys.stderr)
         return [document]
@@ -224,3 +224,74 @@ def _entry(done: "Imported") -> dict[str, Any]:
 def _print_kept(done: "Imported", as_json: bool) -> None:
     if not as_json:
         print(done.run.id if done.is_new else f"{done.run.id} (already there)")
+
+
+def _print_understood(shown: "LogShown") -> None:
+    """Columns and units, segments with what the readings show, notes, doubts, and the picture."""
+    from flows.terminal import print_rows
+    from tasks.stages.logger_table import shown_of
+    from tasks.words import say
+
+    recording = shown.understood.recording
+    imu = recording.imu
+    print_rows(
+        "Columns",
+        ("channel", "column", "unit", "known by"),
+        [(row.channel, row.column, row.unit, row.how) for row in shown.understood.rows],
+    )
+    seconds = float(imu.t[-1] - imu.t[0])
+    rate = (len(imu) - 1) / seconds if seconds else 0.0
+    print(f"{len(imu)} rows over {seconds:.3f} s, {rate:.6g} Hz")
+    if shown.segments:
+        title = "Segments found (rates proposed)" if shown.proposed else "Segments"
+        print_rows(
+            title,
+            ("segment", "from, s", "to, s", "what", "the readings show"),
+            [
+                (
+                    s.name,
+                    f"{s.t_start:.2f}",
+                    f"{s.t_end:.2f}",
+                    _moved(s),
+                    shown_of(recording, s),
+                )
+                for s in shown.segments
+            ],
+        )
+    else:
+        print("no segments: nothing can be estimated; give a protocol")
+    for note in shown.notes:
+        print(f"· {note}")
+    for doubt in shown.doubts:
+        print(f"! {say(doubt)}")
+    print(f"picture: {shown.picture}")
+
+
+def _understood_document(shown: "LogShown") -> dict[str, Any]:
+    """The same as a part of the command's JSON."""
+    from tasks.words import say
+
+    recording = shown.understood.recording
+    return {
+        "rows": len(recording.imu),
+        "seconds": float(recording.imu.t[-1] - recording.imu.t[0]),
+        "gravity_m_s2": shown.understood.gravity,
+        "columns": {
+            row.channel: {"column": row.column, "unit": row.unit, "known_by": row.how}
+            for row in shown.understood.rows
+        },
+        "segments": [s.model_dump(mode="json", exclude_none=True) for s in shown.segments],
+        "segments_found": shown.proposed,
+        "notes": list(shown.notes),
+        "doubts": [say(doubt) for doubt in shown.doubts],
+        "picture": str(shown.picture),
+    }
+
+
+def _moved(segment: "Segment") -> str:
+    if segment.kind == "static":
+        turned = "" if segment.turn_deg is None else f", turned {segment.turn_deg:g}°"
+        return f"rest, {segment.up or 'aslant'} up{turned}"
+    if segment.kind == "rate":
+        return f"{segment.rate_deg_s:+g} deg/s about {segment.axis}"
+    return f"{segment.angle_deg:+g}° about {segment.axis}"

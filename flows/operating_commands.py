@@ -32,7 +32,7 @@ def backup(folder: options.BackupFolder, as_json: options.Json = False) -> None:
     Exits with 1 if something that the catalogue names is missing from the home.
     """
     from flows.terminal import counting, print_json
-    from storage.backup.back_up import back_up
+    from storage.backup import back_up
 
     with counting("backing up") as report:
         name, manifest = back_up(home(), folder, code_version(), report)
@@ -62,7 +62,7 @@ def restore(
     Exits with 1 if faults are found.
     """
     from flows.terminal import counting, print_json
-    from storage.backup.restore import restore as restore_into
+    from storage.backup import restore as restore_into
     from storage.verify import verify
 
     with counting("restoring") as report:
@@ -92,16 +92,56 @@ def upgrade(
     finds faults.
     """
     from flows.terminal import print_json
-    from flows.upgrading import confirmed, upgraded, went_back
+    from storage import backup
 
     if confirm and back:
         raise Unusable("--confirm gives up the way back that --back takes: give one of them.")
-    done = confirmed() if confirm else went_back() if back else upgraded()
-    if as_json:
-        print_json({"format": "mimu-upgrade/1", "done": done.done, "sentences": done.sentences})
+    if confirm:
+        backup.confirm(home())
+        done, sentences = "confirmed", ["The upgrade is confirmed; there is no way back."]
     else:
-        print("\n".join(done.sentences))
-    raise typer.Exit(1 if done.done == "refused" else 0)
+        done, sentences = _went_back() if back else _upgraded()
+    if as_json:
+        print_json({"format": "mimu-upgrade/1", "done": done, "sentences": sentences})
+    else:
+        print("\n".join(sentences))
+    raise typer.Exit(1 if done == "refused" else 0)
+
+
+def _upgraded() -> tuple[str, list[str]]:
+    """Checks on a copy, then upgrades; refused where the check finds faults: nothing is changed."""
+    from flows.terminal import counting, working
+    from storage import backup
+    from storage.catalogue.database import HEAD
+    from tasks.version import code_version
+
+    if not backup.is_needed(home()):
+        return "nothing", ["The catalogue needs no upgrade."]
+    with counting("checking on a copy") as report:
+        faults = backup.rehearse(home(), code_version(), report)
+    if faults:
+        found = [f"{fault.what}: {fault.why}" for fault in faults]
+        end = "Nothing was changed: put this right with the version of mimucal that made it."
+        return "refused", [*found, end]
+    with working("upgrading"):
+        before = backup.upgrade(home(), code_version())
+    return "upgraded", [
+        f"The catalogue is upgraded from revision {before} to {HEAD}.",
+        "The way back stays until `mimucal upgrade --confirm`; `mimucal upgrade --back` takes it.",
+    ]
+
+
+def _went_back() -> tuple[str, list[str]]:
+    from flows.terminal import working
+    from storage import backup
+    from tasks.version import code_version
+
+    with working("going back"):
+        revision, newer = backup.back(home(), code_version())
+    rows = ", ".join(f"{count} of {name}" for name, count in newer.items())
+    kept = f"Left out, and kept in {home().path / 'upgrade-left'}: rows that came since: {rows}."
+    done = f"The catalogue is back at revision {revision}: go on with the version that made it."
+    return "back", [done, *([kept] if newer else [])]
 
 
 @app.command(epilog="Example: mimucal settings --json")

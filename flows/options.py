@@ -345,9 +345,8 @@ OrderState = Annotated[str | None, _option("STATE", ORDER_STATES, "--state")]
 GivenNumber = Annotated[str, typer.Argument(metavar="NUMBER", help="Number of the order.")]
 VirtualId = Annotated[
     str | None,
-    _option("NAME", "Id of the station; default: VIRTUAL-PORT, or VIRTUAL-1 on port 5020.",
-            "--id"),
-]  # fmt: skip
+    _option("NAME", "Id of the station; default: VIRTUAL-PORT, or VIRTUAL-1 on port 5020.", "--id"),
+]
 MountedSerial = Annotated[
     str | None, _option("NUMBER", "Serial number of the unit; default: from the seed.", "--serial")
 ]
@@ -411,7 +410,8 @@ CheckResult = Annotated[float, _option("NUMBER", "What it found.", "--result")]
 CheckLimit = Annotated[float, _option("NUMBER", "Largest size of a result that passes.", "--limit")]
 CheckedOn = Annotated[
     datetime | None,
-    _option("YYYY-MM-DD", "Day of the check; default: today.", "--on", parser=_day,
-            callback=_whole_days),
-]  # fmt: skip
+    _option(
+        "YYYY-MM-DD", "Day of the check; default: today.", "--on", parser=_day, callback=_whole_days
+    ),
+]
 CheckUnit = Annotated[str, _option("UNIT", "Unit of both; default: none.", "--unit")]

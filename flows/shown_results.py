@@ -21,9 +21,9 @@ from schemas.recording import LogEntry
 from schemas.text import Validity, text_of, texts_of
 from schemas.tolerance import Verdict as ToleranceVerdict
 from storage.catalogue import audit_trail, certificates, results, runs
-from storage.catalogue.audit_trail import Entry
+from storage.catalogue.audit_trail import TrailEntry
 from storage.home import Home, home
-from tasks.certificate.remarks import once_for_all
+from tasks.certificate.statements import once_for_all
 from tasks.explain.correction.consequences import moved_by
 from tasks.explain.report import statements
 from tasks.specifications.estimate import item_title
@@ -35,6 +35,7 @@ from tasks.words import known, message, say
 from tasks.words.numbers import USUAL_K, chi2, column, percent, quantities, unit_text
 
 if TYPE_CHECKING:
+    from schemas.procedure import Procedure
     from schemas.text import Validity
     from storage.catalogue.runs import Run
     from tasks.stages.acquire import AcquiredRuns
@@ -213,7 +214,7 @@ def print_trail(form: str) -> None:
             print(json.dumps(_fields(entry), ensure_ascii=False))
     elif form == "csv":
         writer = csv.writer(sys.stdout, lineterminator="\n")
-        writer.writerow(Entry.model_fields)
+        writer.writerow(TrailEntry.model_fields)
         writer.writerows(entry.model_dump(mode="json").values() for entry in entries)
     elif form == "table":
         rows = [
@@ -225,11 +226,11 @@ def print_trail(form: str) -> None:
         raise Unusable(f"--as {form}: choose one of table, csv, jsonl")
 
 
-def _fields(entry: Entry) -> dict[str, object]:
+def _fields(entry: TrailEntry) -> dict[str, object]:
     return entry.model_dump(mode="json") | {"details": json.loads(entry.details)}
 
 
-def _reason(entry: Entry) -> str:
+def _reason(entry: TrailEntry) -> str:
     return str(json.loads(entry.details).get("reason") or "")
 
 
@@ -522,6 +523,38 @@ def show_log(reference: str, as_json: bool) -> None:
         return
     rows = [(f"{e.at:%F %T}", f"{e.t:.2f}", e.state.replace("_", " "), say(e)) for e in log]
     print_rows(f"Log of run {run.id}", ("UTC", "at s", "state", "cause"), rows)
+
+
+def print_dry_run(procedure: "Procedure", as_json: bool) -> None:
+    """Print every segment of a procedure, with its start and its motion; nothing is moved."""
+    from tasks.station.plan import plan
+
+    begins_s, rows = procedure.warm_up_s, []
+    for segment in plan(procedure):
+        rows.append(
+            {
+                "segment": segment.name,
+                "begins_s": round(begins_s, 1),
+                "takes_s": round(segment.planned_s, 1),
+                "angles_deg": segment.angles_deg,
+                "rate_deg_s": segment.rate_deg_s,
+                "refix": segment.refix.name if segment.refix else None,
+            }
+        )
+        begins_s += segment.planned_s
+    if as_json:
+        print_json({"format": "mimu-dry-run/1", "station_s": round(begins_s, 1), "segments": rows})
+        return
+    print_rows(
+        f"{procedure.title}: {begins_s:.0f} s", tuple(rows[0]), [_planned(row) for row in rows]
+    )
+
+
+def _planned(row: dict[str, Any]) -> tuple[str, ...]:
+    angles = " ".join(f"{angle:g}" for angle in row["angles_deg"])
+    return tuple(
+        str("" if value is None else value) for value in (row | {"angles_deg": angles}).values()
+    )
 
 
 def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:

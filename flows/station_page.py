@@ -14,7 +14,7 @@ from schemas.station import StationFile, Stopped
 from storage import settings
 from storage.home import Home
 from storage.stations import is_dead, lockout_of, read_status, release, status_file_of
-from tasks.rendering.page import BASE, page
+from tasks.rendering import BASE, page
 from tasks.stages.stop import stop_station
 
 HOST = "127.0.0.1"  # only a person at this computer may press without a login
@@ -157,4 +157,4 @@ class _Handler(BaseHTTPRequestHandler):
         self.wfile.write(content)
 
     def log_message(self, format: str, *args: object) -> None:
-        """Of each look at the page nothing is printed."""
+        """Prints nothing: each look at the page is a request."""

@@ -31,11 +31,12 @@ from schemas.text import text_of
 from storage.dataframes import TABLES, records, written
 from storage.home import home
 from storage.whole_files import drafted, written_out
-from tasks.station.ports import Ask
 from tasks.words import message, texts
 
 if TYPE_CHECKING:
     import pandas as pd
+
+    from tasks.station.ports import Ask
 
 
 # Prints tables and JSON on standard output; imports nothing heavy, so that listing is fast.
@@ -195,7 +196,7 @@ def _to_folder(table: "pd.DataFrame", folder: Path) -> None:
 # Asks the person at the terminal to turn the unit over where the station cannot, and who it is.
 
 
-def at_terminal() -> Ask | None:
+def at_terminal() -> "Ask | None":
     """The prompt for the person at the terminal; None if standard input is not a terminal."""
     return _ask if sys.stdin is not None and sys.stdin.isatty() else None
 

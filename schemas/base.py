@@ -1,13 +1,15 @@
 """The base of every model, and errors that are addressed to the user."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from string import Template
 from typing import Annotated
 from urllib.parse import quote, unquote
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 from pydantic_core import ErrorDetails
+
+Progress = Callable[[int, int], None]  # is called with how much is done, and of how much
 
 # URLs with a password: escaped where they are used, without it where they are shown.
 #

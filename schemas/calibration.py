@@ -507,7 +507,7 @@ class Coverage(Frozen):
 
     @property
     def too_long(self) -> dict[str, float]:
-        """Those whose intervals contain it more often than stated: it holds, with room to spare."""
+        """The elements whose intervals hold the value more often than stated: U is large enough."""
         return {name: share for name, share in self.by_element.items() if share > TARGET_SHARE[1]}
 
 

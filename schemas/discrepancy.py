@@ -4,13 +4,15 @@ import hashlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from datetime import date
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
-import numpy as np
 from pydantic import AwareDatetime, Field
 
 from schemas.base import Finite, Frozen
 from schemas.text import Statement
+
+if TYPE_CHECKING:
+    import numpy as np  # the catalogue's lists start without it
 
 Verdict = Literal["no_mismatch", "explained", "partly_explained", "unexplained"]
 Dimension = Literal[
@@ -65,14 +67,14 @@ class Consequence(Frozen):
 
     @property
     def change(self) -> float:
-        """By how much it moves, with its sign; 0 where it has no value."""
+        """How far the element moves, with its sign; 0 where it has no value."""
         if self.before is None or self.after is None:
             return 0.0
         return self.after - self.before
 
     @property
     def in_U(self) -> float:
-        """By how many U it moves, with its sign; 0 where it has no U.
+        """How many U the element moves, with its sign; 0 where it has no U.
 
         Relative to the larger U of the two: a change within the certificate's own U is not an error
         of the certificate, and a change within the correction's U is not significant.
@@ -287,10 +289,10 @@ class RunStatistics:
 
     layout: Layout
     layout_key: str
-    correlation: np.ndarray
-    right: np.ndarray
-    scale: np.ndarray
-    left_over: np.ndarray
+    correlation: "np.ndarray"
+    right: "np.ndarray"
+    scale: "np.ndarray"
+    left_over: "np.ndarray"
 
 
 class Carrier(Frozen):

@@ -370,7 +370,7 @@ class ProductionOrder(Frozen):
         return f"{self.serials} {PurePath(self.procedure).stem}"
 
     def differs_from(self, other: "ProductionOrder") -> str | None:
-        """In what another order asks for something else, whoever ordered and whenever."""
+        """Names what another order asks for otherwise, whoever ordered and whenever."""
         for name in ("station", "units", "procedure", "client_order"):
             if getattr(self, name) != getattr(other, name):
                 return name.replace("_", " ")

@@ -105,7 +105,7 @@ class Oscillation(Frozen):
 
     @property
     def seconds(self) -> float:
-        """Of the motion."""
+        """How long the motion takes, s."""
         return self.cycles / self.frequency_hz
 
     @property

@@ -27,6 +27,7 @@ TRIADS = (GYRO, ACCEL)
 SI_PER_UNIT = "si_per_unit"  # in `imported`: rad/s and m/s² that one of the source's units is
 SEEN = "seen"  # in `imported`: what stood out in the source's columns and stamps
 STREAMS = ("imu", "table", "reference", "environment")
+ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")  # columns of that stream
 
 Axis = Literal["x", "y", "z"]
 AXES: tuple[Axis, Axis, Axis] = ("x", "y", "z")

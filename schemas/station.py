@@ -114,7 +114,7 @@ class ModbusTable(_Table, ModbusDevice, _TableAbilities):
 
     @property
     def turnover(self) -> float | None:
-        """By the scale of the register `angle`."""
+        """Returns the turnover by the scale of the register `angle`."""
         return self.turnover_of(self.registers["angle"].scale)
 
     @property
@@ -138,7 +138,7 @@ class TextTable(_Table, TextDevice, _TableAbilities):
 
     @property
     def turnover(self) -> float | None:
-        """By the scale of `angle`."""
+        """Returns the turnover by the scale of `angle`."""
         return self.turnover_of(self.scale.get("angle", 1.0))
 
     @property

@@ -7,14 +7,14 @@ recording for good. Its columns can be made again from it.
 
 import re
 import time
-from collections.abc import Callable, Collection, Iterator
+from collections.abc import Collection, Iterator
 from datetime import UTC, date, datetime
 from functools import partial
 from pathlib import Path
 
 import sqlalchemy as sql
 
-from schemas.base import Unusable
+from schemas.base import Progress, Unusable
 from schemas.history import Dispensable, Refused
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
@@ -49,8 +49,6 @@ def age_s(path: Path) -> float:
 OF_RUN = (  # rows that go with their run
     tables.findings, tables.explained, tables.reprocessed, tables.equipment, tables.sources,
 )  # fmt: skip
-
-Progress = Callable[[int, int], None]
 
 
 def dispensable(before: date, home: Home) -> list[Dispensable]:

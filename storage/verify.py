@@ -7,7 +7,7 @@ from pathlib import Path
 
 import sqlalchemy as sql
 
-from schemas.base import Frozen, Unusable
+from schemas.base import Frozen, Progress, Unusable
 from schemas.certificate import State
 from storage import run_statistics
 from storage.blobs import Blobs, blobs_of
@@ -38,7 +38,6 @@ BROKEN_OFF = (
 ISSUE_S = 60.0  # a newer file may belong to a certificate that is being stored
 SILENT_S = 60.0  # an acquisition writes every second; without writes for so long it has ended
 UNKNOWN = "import it if it is a recording that you want, else move it away"
-Progress = Callable[[int, int], None]
 Found = tuple[str, str]  # where a file is, and what is wrong with it
 Check = tuple[object, Callable[[], Iterable[str]]]  # of what, and what is wrong with it
 

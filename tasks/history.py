@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING, Any
 
 from schemas.base import Unusable
 from schemas.calibration import Calibration, Item
+from schemas.certificate import Laboratory
 from schemas.history import COUNTED_IN_U, Change, Difference, Flip, Reprocessing
-from schemas.tolerance import Capability, Decision, Tolerance
+from schemas.tolerance import Decision, Tolerance
 from tasks.conformity import as_stated, decide
-from tasks.rendering.chart import AFTER, BEFORE, GREY, PALE, draw, picture_file
+from tasks.rendering import AFTER, BEFORE, GREY, PALE, draw, picture_file
 from tasks.specifications.estimate import item_title
 from tasks.words import LANGUAGES, message, say
 
@@ -27,18 +28,18 @@ def difference(
     before: Calibration,
     after: Calibration,
     tolerance: Tolerance | None = None,
-    capabilities: Sequence[Capability] = (),
+    laboratory: Laboratory | None = None,
     printed: Decision | None = None,
 ) -> Difference:
     """What changed between two results by one method; nothing for two whose numbers agree.
 
     Verdicts on elements are by the same limits for both, and by the results alone: the effect of an
     expired standard or a missing validation on either verdict is not a difference of code. Limits
-    that do not apply to such a result change nothing. capabilities: the laboratory's, below which
-    no U is decided on. printed: what a certificate of the result before says of the unit; what else
+    that do not apply to such a result change nothing. laboratory: no U below its capabilities is
+    decided on. printed: what a certificate of the result before says of the unit; what else
     than the result kept it from a pass still does.
     """
-    old, new = as_stated(before, capabilities), as_stated(after, capabilities)
+    old, new = as_stated(before, laboratory), as_stated(after, laboratory)
     return Difference(
         changed=tuple(_changes(before, after)), flips=tuple(_flips(old, new, tolerance, printed))
     )

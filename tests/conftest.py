@@ -3,25 +3,29 @@
 import fcntl
 import gc
 import hashlib
+import logging
 import os
 import shutil
 import signal
 from collections import Counter
 from collections.abc import Callable, Generator, Iterator
+from dataclasses import replace
 from datetime import date
+from functools import cache
 from itertools import chain, groupby
 from pathlib import Path
 
 import pytest
 from hypothesis import settings
 
+from flows.logs import ROOT
 from schemas.calibration import EVIDENCE, Check, ItemValidation, MethodValidation, ValidationRecord
 from schemas.certificate import Certificate
 from schemas.recording import Recording
 from storage.catalogue import database
 from storage.formats.folder import read_folder
 from storage.home import Home
-from tasks.certificate.dcc import record_of
+from tasks.certificate.dcc import record_bytes
 from tasks.specifications.estimate import ITEMS
 from tasks.validation.fingerprint import fingerprint
 from tests import ideal
@@ -122,6 +126,16 @@ def _as_migrated() -> Iterator[None]:
         yield
 
 
+@pytest.fixture(autouse=True)
+def _events_of_one_test() -> Iterator[None]:
+    """Commands and pages in this process send the events where they want, for their test alone."""
+    yield
+    events = logging.getLogger(ROOT)
+    events.handlers.clear()
+    events.setLevel(logging.NOTSET)
+    events.propagate = True
+
+
 @pytest.fixture
 def fresh(tmp_path, monkeypatch) -> Home:
     """A home in which nothing was kept yet; its folder does not exist."""
@@ -134,7 +148,7 @@ def unprinted(monkeypatch) -> None:
     """Certificates whose PDF is not typeset, for tests of what is done with them."""
 
     def quick(certificate: Certificate, **_: object) -> bytes:
-        return b"%PDF " + hashlib.sha256(record_of(certificate)).digest()
+        return b"%PDF " + hashlib.sha256(record_bytes(certificate)).digest()
 
     monkeypatch.setattr("tasks.certificate.pdf.render", quick)
 
@@ -166,9 +180,23 @@ def real() -> Callable[[str], Recording]:
 
 
 @pytest.fixture(scope="session")
-def plant() -> Callable[[str], Recording]:
-    """Reads a simulated recording by its folder name."""
-    return lambda name: read_folder(shared_path(f"data/plant/{name}"))
+def plant() -> Callable[..., Recording]:
+    """Reads a simulated recording by its folder name, once: nobody may change its columns.
+
+    The second argument: every so many rows, which tell most things as well, and sooner.
+    """
+
+    @cache
+    def read(name: str, every: int = 1) -> Recording:
+        whole, kept = read_folder(shared_path(f"data/plant/{name}")), slice(None, None, every)
+        assert whole.table is not None
+        thinned = replace(whole, imu=whole.imu.at(kept), table=whole.table.at(kept))
+        for stream in (thinned.imu, thinned.table):
+            for column in (stream.t, *stream.columns.values()):
+                column.flags.writeable = False
+        return thinned
+
+    return read
 
 
 @pytest.fixture(scope="session")

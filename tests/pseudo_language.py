@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 from fluent.syntax import FluentSerializer, ast, parse
 
-from tasks.rendering.page import _environment
+from tasks.rendering import _environment
 from tasks.words import LANGUAGES, MAIN, translation
 from tasks.words.numbers import typeset
 

@@ -40,12 +40,19 @@ from storage import settings
 from storage.catalogue import audit_trail, database, orders
 from storage.catalogue.database import Busy
 from storage.home import Home
-from storage.order_lock import no_order_at, one_order_at, only_worker_of
-from storage.stations import file_named, file_of, is_running, lockout_of, statuses
+from storage.stations import (
+    file_named,
+    file_of,
+    is_running,
+    lockout_of,
+    no_order_at,
+    one_order_at,
+    only_worker_of,
+    statuses,
+)
 from storage.whole_files import writing_in_home
-from tasks.stages.acquire import left_runs
+from tasks.stages.acquire import left_runs, procedure_named
 from tasks.stages.certificate_inputs import check_order, day_of_moment, read_inputs
-from tasks.stages.procedure_input import procedure_named
 from tasks.stages.remind import alert
 from tasks.stages.store import ready_to_acquire
 from tasks.station.drivers.backend import OTHER_UNIT, confirm

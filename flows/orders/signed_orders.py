@@ -1,10 +1,13 @@
 """Orders in a person's name: signed by the page or the command line, checked by the flow.
 
 A flow takes whatever its parameters say, and whoever reaches Prefect's server may order it. So a
-name there counts only with a signature by the key of the home (`storage.order_lock`), which is made
+name there counts only with a signature by the key of the home (ORDER_KEY), which is made
 for a person who is logged in, or by an account of this system that may read the key.
 """
 
+import hashlib
+import hmac
+import json
 import os
 import pwd
 import secrets
@@ -21,11 +24,11 @@ from schemas.access import Action, Visitor
 from schemas.base import Unusable
 from schemas.certificate import Signature
 from schemas.orders import OrderModel
+from storage import whole_files
 from storage.catalogue import certificates
 from storage.catalogue.database import Busy
 from storage.catalogue.users import users
 from storage.home import Home, home
-from storage.order_lock import ORDER_KEY, is_signed, signed
 
 AGE = timedelta(days=7)  # a station may be down over a long weekend
 AHEAD = timedelta(minutes=5)  # largest difference between the clocks of two computers
@@ -169,3 +172,35 @@ def flow_run() -> str | None:
 
     context = FlowRunContext.get()
     return str(context.flow_run.id) if context and context.flow_run else None
+
+
+# The key of the home that signs orders: whoever can read it can order in a person's name.
+
+ORDER_KEY = "orders.key"
+
+
+def signed(flow: str, order: dict[str, Any], unsigned: dict[str, Any], home: Home) -> Signature:
+    """The signature of an order with the home's key, which is made where there is none yet.
+
+    order: as JSON values, without a signature. unsigned: the fields of the signature but its mac.
+    Raises Unusable where the key cannot be read, or can be by others.
+    """
+    draft = Signature(**unsigned, mac="0" * 64)
+    key = whole_files.made(home.path / ORDER_KEY)
+    return draft.model_copy(update={"mac": _mac(key, flow, order, draft)})
+
+
+def is_signed(flow: str, order: dict[str, Any], signature: Signature, home: Home) -> bool:
+    """Whether a signature is that of this order, for this flow, by the home's key.
+
+    Raises Unusable where the key is missing, cannot be read, or can be by others.
+    """
+    key = whole_files.read(home.path / ORDER_KEY)
+    return hmac.compare_digest(_mac(key, flow, order, signature), signature.mac)
+
+
+def _mac(key: str, flow: str, order: dict[str, Any], signature: Signature) -> str:
+    about = signature.model_dump(mode="json", exclude={"mac"})
+    content = {"flow": flow, "order": order, "signature": about}
+    text = json.dumps(content, ensure_ascii=True, sort_keys=True, separators=(",", ":"))
+    return hmac.new(key.encode(), text.encode(), hashlib.sha256).hexdigest()

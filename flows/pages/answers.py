@@ -9,18 +9,7 @@ from pydantic.json_schema import models_json_schema
 from werkzeug.exceptions import HTTPException
 
 from flows.orders import production
-from flows.pages import (
-    budget,
-    discrepancy,
-    do,
-    due,
-    line,
-    quality,
-    run,
-    runs,
-    signals,
-    unit,
-)
+from flows.pages import discrepancy, do, due, line, quality, run, runs, unit
 from flows.pages.do import check_may
 from flows.pages.line_data import (
     Acknowledged,
@@ -68,8 +57,8 @@ PAGES: tuple[Page, ...] = (
     line.PAGE,
     runs.PAGE,
     run.PAGE,
-    signals.PAGE,
-    budget.PAGE,
+    run.SIGNALS_PAGE,
+    run.BUDGET_PAGE,
     unit.PAGE,
     due.PAGE,
     quality.PAGE,

@@ -335,9 +335,8 @@ def _effects(
 
 
 def _effect(
-    effect: str, own: Sequence[Explained], runs: Sequence[Explained],
-    papers: Sequence[sql.Row[Any]],
-) -> EffectSeen:  # fmt: skip
+    effect: str, own: Sequence[Explained], runs: Sequence[Explained], papers: Sequence[sql.Row[Any]]
+) -> EffectSeen:
     briefs = [f["brief"] for run in own for f in run["findings"] if f["effect"] == effect]
     most = max(briefs, key=lambda brief: max((abs(m.in_U) for m in brief.moved), default=0.0))
     days = [run["recorded_on"] for run in own if run["recorded_on"]]
@@ -352,8 +351,9 @@ def _effect(
 
 def _by(own: Sequence[Explained], runs: Sequence[Explained], *fields: str) -> tuple[Shown, ...]:
     """Those that show it, the largest share first; by name, and a unit by its model as well."""
-    of, shown = (Counter(tuple(run[f] or "" for f in fields) for run in each)
-                 for each in (runs, own))  # fmt: skip
+    of, shown = (
+        Counter(tuple(run[f] or "" for f in fields) for run in each) for each in (runs, own)
+    )
     first: dict[tuple[str, ...], date] = {}
     for run in own:
         if run["recorded_on"]:
@@ -589,10 +589,11 @@ def _run_row(run: ExplainedRun) -> tuple[Cell, ...]:
         for f in run.findings
     ]  # fmt: skip
     report = html.A(
-        said("pages-mismatch-report"), href=f"/explained/{run.run}.html",
+        said("pages-mismatch-report"),
+        href=f"/explained/{run.run}.html",
         className="whole",
         target="_blank",
-    )  # fmt: skip
+    )
     return (
         link(run.run, "/run", id=run.run),
         str(run.day) if run.day else None,

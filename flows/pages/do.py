@@ -135,9 +135,10 @@ REQUIRED: Mapping[Action, tuple[str, ...]] = {
     "withdraw": ("certificate", "reason"),
 }  # fmt: skip
 STEPS: Mapping[Action, tuple[Any, Callable[[Any], Any]]] = {  # of a certificate, taken at once
-    "check": (CheckOrder, execute.check), "issue": (IssueOrder, execute.issue),
+    "check": (CheckOrder, execute.check),
+    "issue": (IssueOrder, execute.issue),
     "withdraw": (WithdrawOrder, execute.withdraw),
-}  # fmt: skip
+}
 Fields = Mapping[str, str]
 
 
@@ -429,9 +430,8 @@ def chosen(action: Action, number: str | None, home: Home) -> Component:
         "pages-items-column.limits": limits,
     }
     pdf = html.A(
-        said("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank",
-        className="button",
-    )  # fmt: skip
+        said("pages-do-pdf"), href=f"/certificate/{number}.pdf", target="_blank", className="button"
+    )
     question = said("pages-do-withdraw", certificate=number)
     asked = asking(question) if action == "withdraw" else {}
     reasons = [dmc.Text(say(each), size="sm") for each in texts_of(decision, "reasons")]
@@ -453,8 +453,9 @@ def _field(action: Action, name: str, shown: DoShown, question: DoQuestion) -> C
     if name not in chosen:
         return dmc.TextInput(id=id_, label=label, value=given or "", withAsterisk=needed)
     first = given if given in chosen[name] else None
-    return dmc.Select(id=id_, label=label, data=chosen[name], value=first, searchable=True,
-                      withAsterisk=needed)  # fmt: skip
+    return dmc.Select(
+        id=id_, label=label, data=chosen[name], value=first, searchable=True, withAsterisk=needed
+    )
 
 
 def _certificates(action: Any, shown: DoShown) -> list[str]:
@@ -473,7 +474,7 @@ def _orders(given: tuple[GivenOrder, ...]) -> Component:
             each.fault and say(cause_of(each.fault)),
         )
         for each in given
-    ]  # fmt: skip
+    ]
     return table(
         "pages-order-column",
         "at person action subject state fault",

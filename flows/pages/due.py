@@ -223,10 +223,11 @@ EVERY = "pages-due-all"
 MESSAGE_KINDS: dict[str, Kind] = {"sent": "good", "failed": "bad", "waiting": "open"}
 OWN: dict[str, dict[str, Any]] = {
     "name": {"cellRenderer": "UnitLink", "flex": 2, "minWidth": 190},
-    "client": {"minWidth": 150}, "certificate": {"minWidth": 165},
+    "client": {"minWidth": 150},
+    "certificate": {"minWidth": 165},
     "state": {"cellRenderer": "State", "sortable": False, "minWidth": 175},
     "messages": {"filter": "agNumberColumnFilter"},
-}  # fmt: skip
+}
 ROW_PX, FRAME_PX, MOST_PX = 38, 115, 560
 
 
@@ -286,7 +287,7 @@ def _choices(shown: DueShown, question: DueQuestion) -> Component:
         choice("client", "pages-due-asked.client", clients, question.client, EVERY),
         choice("model", "pages-due-asked.model", shown.models, question.model, EVERY),
         choice("within", "pages-due-asked.within", horizons, question.within),
-    ]  # fmt: skip
+    ]
     return dmc.SimpleGrid(controls, cols={"base": 1, "sm": 3}, spacing="xs")
 
 

@@ -266,7 +266,7 @@ def _cell(cell: Cell) -> Component:
 
 
 def heading(id_: str, more: str = "") -> Component:
-    """Of a part of a page, as a message by its identifier."""
+    """The heading of a part of a page, a message by its identifier."""
     return dmc.Title(said(id_) + more, order=3, mt="sm")
 
 

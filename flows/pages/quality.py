@@ -43,10 +43,7 @@ from flows.pages.quality_data import (
     choices,
     data,
 )
-from tasks.quality.capability import FEWEST as FEWEST_IN_INDEX
-from tasks.quality.capability import CapabilityIndex
-from tasks.quality.charts import FEWEST, HISTORY, RULES
-from tasks.quality.yields import FEWEST_IN_POINT
+from tasks.quality import FEWEST, FEWEST_IN_INDEX, FEWEST_IN_POINT, HISTORY, RULES, CapabilityIndex
 from tasks.words.numbers import MINUS, USUAL_K, Scale, plain, quantities, unit_text
 
 # The charts of the Quality page, as plotly figures.
@@ -162,13 +159,13 @@ def chart_figure(chart: ChartShown, shown: QualityShown) -> Figure:
         "mode": "lines+markers" if len(points) < MANY else "markers",
         "line": {"width": 0.5, "color": GREY},
         "name": said(f"pages-quality-plot.{chart.plotted}"),
-    }  # fmt: skip
+    }
     wrong = _points(broken, [p.value for p in broken], RED, 7) | {
         "text": [", ".join(map(str, p.broken)) for p in broken],
         "name": said("pages-quality-broken"),
         "hovertemplate": "%{x}: %{y:.6g}<br>%{meta}: %{text}<extra></extra>",
         "meta": said("pages-quality-nelson.rule"),
-    }  # fmt: skip
+    }
     moving = [point for point in points if point.range is not None]
     ranges = _points(moving, [p.range for p in moving], BLUE, 3) | {
         "yaxis": "y2", "name": said("pages-quality-range"), "showlegend": False,
@@ -228,7 +225,6 @@ def _causes(chart: ChartShown) -> list[Figure]:
 
 
 def _level(y: float, color: str, axis: str = "y") -> Figure:
-    """A line across the picture."""
     return {
         "type": "line", "xref": "paper", "x0": 0, "x1": 1, "yref": axis, "y0": y, "y1": y,
         "line": {"color": color, "width": 1, "dash": "dot"},
@@ -320,10 +316,9 @@ def _failing(shown: QualityShown, with_csv: WithCsv) -> Component:
         picture("quality-failing", failing_figure(shown)),
         table("pages-quality-failing", names, rows, 320),
     ]
-    return dmc.Stack([
-        note(about),
-        with_csv("failing", dmc.SimpleGrid(parts, cols={"base": 1, "lg": 2})),
-    ])  # fmt: skip
+    return dmc.Stack(
+        [note(about), with_csv("failing", dmc.SimpleGrid(parts, cols={"base": 1, "lg": 2}))]
+    )
 
 
 def _golden(shown: QualityShown, with_csv: WithCsv) -> Component:

@@ -22,9 +22,22 @@ from storage.catalogue.certificates import AS_LEFT
 from storage.catalogue.database import cached_until_commit
 from storage.home import Home
 from tasks.conformity.limits import is_of_a_limit
-from tasks.quality.capability import CapabilityIndex, capability, consumed
-from tasks.quality.charts import HISTORY, RULES, Chart, individuals, station_check
-from tasks.quality.yields import RETEST_DAYS, against_each_other, first_runs, pooled, shares, yields
+from tasks.quality import (
+    HISTORY,
+    RETEST_DAYS,
+    RULES,
+    CapabilityIndex,
+    Chart,
+    against_each_other,
+    capability,
+    consumed,
+    first_runs,
+    individuals,
+    pooled,
+    shares,
+    station_check,
+    yields,
+)
 from tasks.specifications.estimate import item_title, symbol
 from tasks.words import kind_of, message, statement
 
@@ -270,7 +283,7 @@ def of_element(
         "chart": _chart(charted, question, home),
         "golden": tuple(_golden(here[here["golden"]])),
         "stations": _stations(in_time, choices),
-    }  # fmt: skip
+    }
 
 
 def between(runs: Runs, question: QualityQuestion) -> "pd.Series[bool]":
@@ -284,14 +297,16 @@ def _capability(values: Runs, named: tuple[str, str, str], home: Home) -> Capabi
     table = pd.DataFrame.from_records(rows, columns=["run", "lower", "upper"])
     table = table[table["run"].isin(values["run"])].drop_duplicates("run", keep="last")
     newest = table.iloc[-1] if len(table) else None
-    lower, upper = (_number(newest[side]) if newest is not None else None
-                    for side in ("lower", "upper"))  # fmt: skip
+    lower, upper = (
+        _number(newest[side]) if newest is not None else None for side in ("lower", "upper")
+    )
     found = capability(values["value"].to_numpy(), lower, upper)
     share = consumed(
-        values["value"].to_numpy(), values["U"].to_numpy(),
+        values["value"].to_numpy(),
+        values["U"].to_numpy(),
         np.full(len(values), np.nan if lower is None else lower),
         np.full(len(values), np.nan if upper is None else upper),
-    )  # fmt: skip
+    )
     share = share[~np.isnan(share)]
     return CapabilityShown(
         n=found.n, lower=lower, upper=upper,
@@ -333,7 +348,6 @@ def _golden(values: Runs) -> Iterator[GoldenShown]:
 
 
 def _rules(chart: Chart) -> list[tuple[int, ...]]:
-    """The rules that each value breaks."""
     return [tuple((np.flatnonzero(broken) + 1).tolist()) for broken in chart.broken.T]
 
 
@@ -537,9 +551,10 @@ def _periods(weeks: Sequence[Yield]) -> Iterator[PeriodYield]:
         name = first.name if first is last else f"{first.name} … {last.name}"
         table = shares([sum(each.passed for each in of)], [sum(each.of for each in of)], [name])
         yield PeriodYield(
-            since=_monday(first.name), until=_monday(last.name) + timedelta(days=6),
+            since=_monday(first.name),
+            until=_monday(last.name) + timedelta(days=6),
             **_listed(table)[0].model_dump(),
-        )  # fmt: skip
+        )
 
 
 def _monday(week: str) -> date:
@@ -712,9 +727,10 @@ def _golden_rows(shown: QualityShown) -> Sequence[Row]:
     return [
         row
         for of in shown.golden
-        for row in rows_of(of.points, **_of_element(shown),
-                           **of.model_dump(mode="json", exclude={"points"}))
-    ]  # fmt: skip
+        for row in rows_of(
+            of.points, **_of_element(shown), **of.model_dump(mode="json", exclude={"points"})
+        )
+    ]
 
 
 NUMBERS: Numbers = {

@@ -47,7 +47,7 @@ from storage.catalogue.certificates import AS_LEFT, Entry
 from storage.catalogue.selection import UnitLine
 from storage.home import Home
 from tasks.conformity.limits import interval_text
-from tasks.quality.charts import DriftRate, drift
+from tasks.quality import DriftRate, drift
 from tasks.specifications.estimate import ITEMS, item_title, symbol
 from tasks.stages.remind import NoAdvice, advice_by, sentence
 from tasks.words import cause_of, message, statement
@@ -194,9 +194,7 @@ def _elements(line: UnitLine, limits: _Limits, home: Home) -> Iterator[ElementHi
         measured[item, element][run] = tuple(numbers)
     for item, element in sorted(measured, key=lambda of: place(*of)):
         of_runs = measured[item, element]
-        readings = [
-            _reading(run, of_runs[run[0]]) for run in runs if run[0] in of_runs
-        ]  # fmt: skip
+        readings = [_reading(run, of_runs[run[0]]) for run in runs if run[0] in of_runs]
         sound = [each for each in readings if each.state != "invalid"]
         newest = next((each for each in reversed(sound) if each.value is not None), None)
         lower, upper = limits.edges.get((item, element), (None, None))
@@ -241,10 +239,11 @@ def _number(number: float | None) -> float:
 
 Scales = dict[str, Scale]  # by the unit of the values
 OWN: dict[str, dict[str, Any]] = {
-    "serial": {"cellRenderer": "UnitLink"}, "certificate": {"minWidth": 165},
+    "serial": {"cellRenderer": "UnitLink"},
+    "certificate": {"minWidth": 165},
     "runs": {"filter": "agNumberColumnFilter"},
     **{each: {"cellRenderer": "State", "minWidth": 140} for each in ("verdict", "due")},
-}  # fmt: skip
+}
 ACROSS, PANEL_PX, GAP = 3, 230, 0.08
 COLORS: dict[AsMeasured, str] = {"found": BLUE, "left": ORANGE, "invalid": GREY}
 SYMBOLS: dict[AsMeasured, str] = {"found": "circle", "left": "diamond", "invalid": "x"}
@@ -466,8 +465,8 @@ def _axes(number: int, down: int, end: str, element: ElementHistory) -> dict[str
 
 
 def _points(
-    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, factor: float,
-) -> Figure:  # fmt: skip
+    readings: Sequence[Reading], state: AsMeasured, end: str, in_legend: bool, factor: float
+) -> Figure:
     return {
         "type": "scatter", "mode": "markers", "xaxis": f"x{end}", "yaxis": f"y{end}",
         "x": [str(each.day) for each in readings],

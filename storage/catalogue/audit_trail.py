@@ -20,7 +20,7 @@ NOTHING_BEFORE = "0" * 64
 RESTORE = "bring the catalogue back from a backup, and keep this one for the auditor"
 
 
-class Entry(Frozen):
+class TrailEntry(Frozen):
     """One entry. `subject`: what was done to, as the number of a certificate; details: JSON."""
 
     number: int
@@ -85,24 +85,24 @@ def add_once(
 def has(connection: sql.Connection, action: str, subject: str, **details: Any) -> bool:
     """Whether there is an entry of this action, subject and details."""
     entry = tables.trail.c
-    alike = (
-        entry.action == action, entry.subject == subject, entry.details == _canonical(details),
-    )  # fmt: skip
+    alike = (entry.action == action, entry.subject == subject, entry.details == _canonical(details))
     return connection.execute(sql.select(entry.number).where(*alike).limit(1)).first() is not None
 
 
-def of_action(action: str, since: datetime, home: Home) -> list[Entry]:
+def of_action(action: str, since: datetime, home: Home) -> list[TrailEntry]:
     """The entries of an action since a moment, the oldest first."""
     entry = tables.trail.c
     mine = sql.select(tables.trail).where(entry.action == action, entry.at >= since)
     found = database.rows(home, mine.order_by(entry.number))
-    return [Entry.model_validate(row, from_attributes=True) for row in found]
+    return [TrailEntry.model_validate(row, from_attributes=True) for row in found]
 
 
-def entries(home: Home) -> list[Entry]:
+def entries(home: Home) -> list[TrailEntry]:
     """The whole trail, in the order in which it was written."""
     asked = sql.select(tables.trail).order_by(tables.trail.c.number)
-    return [Entry.model_validate(row, from_attributes=True) for row in database.rows(home, asked)]
+    return [
+        TrailEntry.model_validate(row, from_attributes=True) for row in database.rows(home, asked)
+    ]
 
 
 def faults(home: Home) -> Iterator[str]:

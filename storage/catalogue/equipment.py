@@ -45,8 +45,9 @@ def renew(standards: Iterable[MeasurementStandard], home: Home, person: str) -> 
                     "give the new one."
                 )
             if standard.calibrated_on is None:
-                raise Unusable(f"{named} has no calibrated_on, the day from which its new "
-                               "certificate counts.")  # fmt: skip
+                raise Unusable(
+                    f"{named} has no calibrated_on, the day from which its new certificate counts."
+                )
             _insert(connection, standard)
             _note(connection, person, "renew equipment", standard)
 

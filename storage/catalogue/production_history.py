@@ -110,10 +110,11 @@ def reasons(model: str, home: Home) -> list[tuple[str, Statement]]:
     They stand in the record alone, which is read of the certificates that do not decide.
     """
     asked = (
-        sql.select(PAPER.run, PAPER.record).select_from(_papers())
+        sql.select(PAPER.run, PAPER.record)
+        .select_from(_papers())
         .where(UNIT.model == model, PAPER.verdict == "inconclusive")
         .order_by(PAPER.kept_at)
-    )  # fmt: skip
+    )
     return [(row.run, reason) for row in database.rows(home, asked)
             for reason in reasons_in(row.record, home)]  # fmt: skip
 
@@ -134,10 +135,11 @@ def renewals(station: str, home: Home) -> list[tuple[date, str]]:
     """When each standard that was used at a station was calibrated, with its serial number."""
     used, standard = tables.equipment.c, tables.standards.c
     there = (
-        sql.select(used.serial).join_from(tables.equipment, tables.runs).where(
-            RUN.station == station, used.serial != ""
-        ).distinct()
-    )  # fmt: skip
+        sql.select(used.serial)
+        .join_from(tables.equipment, tables.runs)
+        .where(RUN.station == station, used.serial != "")
+        .distinct()
+    )
     asked = sql.select(standard.calibrated_on, standard.serial).where(
         standard.serial.in_(there), standard.calibrated_on.is_not(None)
     )

@@ -21,7 +21,6 @@ from schemas.tolerance import Verdict
 from storage.catalogue import certificates, database, results, runs, tables
 from storage.catalogue.database import cached_until_commit
 from storage.catalogue.results import calibration_of
-from storage.formats.manifest import manifest_of
 from storage.home import Home
 
 # Completes what earlier versions stored with what the catalogue now keeps about it.
@@ -43,8 +42,7 @@ def complete_runs(home: Home) -> None:
         if run.id not in ids:
             continue
         try:
-            kept = runs.manifest_bytes(run, home)
-            manifest = manifest_of(kept, run.id) if kept else runs.load(run, home).manifest
+            manifest = runs.manifest(run, home)
             printed = [
                 (entry.number, certificates.standards_of(certificates.record_of(entry, home)))
                 for entry in register

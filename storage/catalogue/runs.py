@@ -19,7 +19,6 @@ from schemas.recording import Manifest, Recording, Unit
 from schemas.text import Message
 from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import database, tables
-from storage.formats.manifest import MANIFEST, manifest_of
 from storage.home import Home
 
 if TYPE_CHECKING:
@@ -270,6 +269,8 @@ def load_raw(run: Run, home: Home) -> Recording:
 
 def manifest(run: Run, home: Home) -> Manifest:
     """A run's manifest, from beside its columns; if it is missing or damaged, from raw."""
+    from storage.formats.manifest import MANIFEST, manifest_of  # late: lists start without numpy
+
     kept = manifest_bytes(run, home)
     if kept is not None:
         with suppress(Unusable):
@@ -279,6 +280,8 @@ def manifest(run: Run, home: Home) -> Manifest:
 
 def manifest_bytes(run: Run, home: Home) -> bytes | None:
     """The manifest beside a run's columns; None if it is missing."""
+    from storage.formats.manifest import MANIFEST
+
     name = f"{_columns(run.digest)}/{MANIFEST}"
     if not blobs_of(home).exists(name):
         return None

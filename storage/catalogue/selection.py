@@ -176,7 +176,6 @@ def _results(home: Home) -> list[AffectedResult]:
 
 
 def _known(home: Home) -> str:
-    """What could have been meant."""
     used = tables.equipment.c
     rows = database.rows(home, sql.select(used.name, used.serial).distinct().limit(MAX_SUGGESTIONS))
     if not rows:
@@ -248,9 +247,9 @@ def _lines(met: sql.ColumnElement[bool], count: int, home: Home) -> tuple[int, l
 
 
 def _paper(row: sql.Row[Any] | None) -> dict[str, Any]:
-    return {} if row is None else {
-        "certificate": row.number, "verdict": row.verdict, "due": row.due
-    }  # fmt: skip
+    return (
+        {} if row is None else {"certificate": row.number, "verdict": row.verdict, "due": row.due}
+    )
 
 
 def runs_of(unit: int, home: Home) -> Rows:

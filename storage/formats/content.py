@@ -14,7 +14,7 @@ import pyarrow.parquet as pq
 from schemas.base import Unusable
 from schemas.recording import ANGLE, TRIADS, Manifest, Recording, Stream
 from storage.formats.manifest import MANIFEST, PLACE, known_columns, manifest_of
-from storage.formats.mcap.messages import ENVIRONMENT, present
+from storage.formats.mcap.messages import ENVIRONMENT_TOPICS, present
 from storage.whole_files import drafted
 
 NANO = 1_000_000_000
@@ -68,7 +68,7 @@ def _reference(columns: dict[str, np.ndarray], rows: int) -> dict[str, np.ndarra
 def _environment(columns: dict[str, np.ndarray], rows: int) -> dict[str, np.ndarray]:
     return {
         scalar.column: scalar.from_ros(scalar.to_ros(columns[scalar.column]))
-        for scalar in ENVIRONMENT
+        for scalar in ENVIRONMENT_TOPICS
         if scalar.column in columns
     }
 

@@ -112,7 +112,7 @@ class Changes:
         return {"table_time": {"commanded_rate": bound}}
 
     def as_fields(self) -> dict[str, object]:
-        """As it stands in the manifest."""
+        """The changes as the manifest's fields."""
         made: dict[str, object] = {"units": dict(self.units)} if self.units else {}
         if self.axes:
             made["axes"] = self.axes.text

@@ -7,7 +7,6 @@ from pathlib import Path, PurePosixPath
 
 import numpy as np
 import pyarrow as pa
-import pyarrow.compute as pc
 import pyarrow.parquet as pq
 from pyarrow import csv
 from pyarrow.types import is_decimal, is_floating, is_integer, is_null
@@ -54,6 +53,10 @@ class StreamTable:
             raise Unusable(f"{self._path}: column {name} is there twice; keep one of them.")
         column = self._table.column(self._names.index(name))
         kind = column.type
+        if kind == pa.float64():
+            return to_numpy(column)
+        import pyarrow.compute as pc  # late: what was kept is float64
+
         if pa.types.is_string(kind) and self._path.suffix.lower() == ".csv":
             column = pc.utf8_trim_whitespace(column)
             column = pc.if_else(pc.is_in(column, pa.array(NULLS)), None, column)

@@ -13,6 +13,7 @@ from schemas.base import Unusable, first_fault
 from schemas.recording import (
     ACCEL,
     ANGLE,
+    ENVIRONMENT,
     FORMAT,
     GYRO,
     TRIADS,
@@ -107,7 +108,6 @@ MAX_TIME_S = 2**51 / 1e9  # s (26 days); beyond it a float64 cannot resolve nano
 MAX_VALUE = 1e9  # in rad/s, m/s², rad, °C, Pa: beyond any sensor, and its square must not overflow
 REFERENCE = ("qw", "qx", "qy", "qz")
 PLACE = ("px", "py", "pz")
-ENVIRONMENT = ("temperature", "humidity", "supply_voltage", "pressure")
 
 
 def known_columns(name: str, manifest: Manifest) -> tuple[str, ...]:

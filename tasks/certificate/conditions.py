@@ -64,8 +64,9 @@ def turns(calibration: Calibration, manifest: Manifest) -> Sayable:
         rates = sorted({abs(s.rate_deg_s) for s in turned if s.rate_deg_s is not None})
         written = message(
             f"certificate-turns.{'at-rates' if rates else 'counts'}",
-            counts=counts, rates=", ".join(map(as_given, rates)),
-        )  # fmt: skip
+            counts=counts,
+            rates=", ".join(map(as_given, rates)),
+        )
         parts.append(message("certificate-of-axis", axis=axis.upper(), text=written))
     return clauses(parts) if parts else NOT_GIVEN
 

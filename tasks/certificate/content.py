@@ -20,7 +20,6 @@ from tasks.certificate.equipment import accuracy, settings
 from tasks.certificate.fields import NONE, NOT_GIVEN, Field, day, field, given, literal
 from tasks.certificate.figures import PrintedFigure, figures
 from tasks.certificate.mandatory import standards_of
-from tasks.certificate.remarks import RemarkRow, remarks
 from tasks.certificate.results import (
     InformationRow,
     Mark,
@@ -31,11 +30,13 @@ from tasks.certificate.results import (
 )
 from tasks.certificate.statements import (
     ReadingRow,
+    RemarkRow,
     basis,
     conformity,
     evaluation,
     readings,
     reasons,
+    remarks,
     uncertainty,
     uncertainty_in_short,
 )
@@ -193,20 +194,21 @@ def _numbers(item: Item, quantity: Quantity) -> tuple[Elements, Elements]:
 
 
 def stated_above(certificate: Certificate) -> tuple[Message, ...]:
-    """Of which elements a U smaller than the capability was evaluated, before it was raised."""
+    """Names the elements of which a U smaller than the capability was evaluated and then raised."""
     found, laboratory = certificate.as_found, certificate.laboratory
     raised = raised_elements(certificate.calibration, laboratory)
     before = raised_elements(found.calibration, laboratory) if found else {}
     items = tuple(
         message(
-            "certificate-capability-item", item=item_title(name),
+            "certificate-capability-item",
+            item=item_title(name),
             symbols=", ".join(
                 symbol(name, element)
                 for element in dict.fromkeys((*raised.get(name, ()), *before.get(name, ())))
             ),
         )
         for name in dict.fromkeys((*raised, *before))
-    )  # fmt: skip
+    )
     return (message("certificate-capability.stated", items=items),) if items else ()
 
 
@@ -354,7 +356,6 @@ def in_languages(part: Any, languages: Sequence[str]) -> Any:
 
 
 def _validation(certificate: Certificate) -> tuple[Message, ...]:
-    """Which record validates the estimation."""
     if certificate.validation is None:
         return ()
     record = text_in(certificate.validation, certificate.validation_message)
@@ -456,7 +457,6 @@ def differences(before: Certificate, after: Certificate) -> tuple[Amended, ...]:
 
 
 def _printed(certificate: Certificate) -> Iterator[tuple[Sayable, Sayable]]:
-    """What a certificate prints, by its label."""
     printed = content(certificate)
     yield message("certificate-label-conclusion"), printed.verdict_text
     yield message("mandatory-what.laboratory"), printed.laboratory
@@ -484,7 +484,6 @@ def _printed(certificate: Certificate) -> Iterator[tuple[Sayable, Sayable]]:
 
 
 def _values(calibration: Calibration) -> Iterator[tuple[Sayable, Sayable]]:
-    """Every value with its U, and its unit."""
     for name, item in calibration.items.items():
         for element, value in item.value.items():
             if value is not None:

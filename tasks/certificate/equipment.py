@@ -122,12 +122,13 @@ def _function(name: LimitName, function: ErrorFunction) -> Message:
     )
     stated = [row.U for row in function.rows] + [part.U for part in function.polynomials]
     return message(
-        f"certificate-function-of-standard.{function.deviation}", limit=limit.name,
+        f"certificate-function-of-standard.{function.deviation}",
+        limit=limit.name,
         range=f" {' … '.join(quantity_text(plain(x), unit) for x in (low, high))}" if unit else "",
         deviation=bound_text(largest, limit.unit),
         U=bound_text(max(stated), limit.unit).removeprefix("±"),
         k=f"{function.k:g}",
-    )  # fmt: skip
+    )
 
 
 def whose_limits(calibration: Calibration) -> tuple[Message, ...]:
@@ -145,10 +146,11 @@ def whose_limits(calibration: Calibration) -> tuple[Message, ...]:
     if recommended:
         parts.append(
             message(
-                "certificate-limits.recommended", limits=tuple(map(name_of, recommended)),
+                "certificate-limits.recommended",
+                limits=tuple(map(name_of, recommended)),
                 sources=tuple(dict.fromkeys(map(source, recommended))),
             )
-        )  # fmt: skip
+        )
     parts += [_assumed(name_of(line), half_width(line) or "") for line in assumed]
     if _latitude_of_second_values(calibration, limits):
         parts.append(_assumed(LATITUDE.name, f"±{math.degrees(LATITUDE.half_width):g}°"))

@@ -18,7 +18,7 @@ from schemas.base import Unusable
 from schemas.certificate import Certificate, Laboratory
 from schemas.text import Appearance
 from tasks.certificate.content import content, in_languages
-from tasks.certificate.dcc import dcc_of, record_of
+from tasks.certificate.dcc import dcc_of, record_bytes
 from tasks.certificate.figures import drawn
 from tasks.words import MAIN, identifiers, message, say, statement
 
@@ -127,7 +127,7 @@ def sealed(number: str, record: bytes) -> str:
 
 def _qr_code(certificate: Certificate, languages: Sequence[str], signed: bool) -> dict[str, object]:
     """The QR code as SVG, what it holds, and the sentences beside it."""
-    text = sealed(certificate.number, record_of(certificate))
+    text = sealed(certificate.number, record_bytes(certificate))
     svg = io.BytesIO()
     segno.make(text, error="m", micro=False).save(svg, kind="svg", border=4, xmldecl=False)
     how = message("certificate-seal.signed" if signed else "certificate-seal.by-hand")
@@ -163,7 +163,7 @@ def faces_of(
 
     The DCC holds the record, and the PDF, in the languages of the record, holds the DCC.
     """
-    record, dcc = record_of(certificate), dcc_of(certificate)
+    record, dcc = record_bytes(certificate), dcc_of(certificate)
     if signing is None:
         return CertificateFiles(render(certificate, dcc=dcc), dcc, record, evidence)
     # Late: pyHanko is a second and more, and few laboratories sign.

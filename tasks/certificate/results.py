@@ -339,7 +339,7 @@ def _group(
             *(contained(calibration, name, specification) if known else ()),
             *_missing(calibration, name, elements, definition, two),
         ),
-    )  # fmt: skip
+    )
 
 
 def _columns(

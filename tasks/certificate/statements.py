@@ -1,23 +1,102 @@
 """Sentences of the certificate and of its annex: basis, uncertainty, reasons, readings."""
 
 import math
-from collections import defaultdict
-from collections.abc import Hashable, Iterator
+import re
+from collections import Counter, defaultdict
+from collections.abc import Hashable, Iterable, Iterator, Mapping
 from dataclasses import dataclass
 
 from schemas.calibration import AdoptedTerm, Calibration, Item
-from schemas.text import CONTRACTED, Statement, text_of, texts_of
+from schemas.recording import Manifest
+from schemas.text import CONTRACTED, Remark, Statement, text_of, texts_of
 from schemas.tolerance import Decision, GlobalRisks, LimitDecision
 from tasks.certificate import cover
 from tasks.certificate.cover import by_document, by_method
 from tasks.certificate.equipment import axes_of_results, flatness, whose_limits
 from tasks.certificate.fields import Field, field, given, quoted, slug
-from tasks.certificate.remarks import alike
-from tasks.conformity.decide import Deviation
+from tasks.conformity.decide import NOT_RECORDED, Deviation
 from tasks.conformity.limits import nothing_accepted, probability_text
 from tasks.specifications.estimate import Specification, item_title, symbol
 from tasks.words import Message, Sayable, argument, clauses, kind_of, message, say, statement
 from tasks.words.numbers import USUAL_K, clause, exact, quantity, quantity_text, text
+
+# Remarks that concern the client; remarks that differ only in the segment are told once.
+
+
+FEW = 3  # segments that are named where the remark stands
+# Stated under the item that it is about, with its size.
+STATED_AT_ITEM = {"earth_rotation"}
+
+
+@dataclass(frozen=True)
+class RemarkRow:
+    """What the reader has to know; segments: those it is about, where they are too many to name."""
+
+    text: Message
+    segments: str = ""
+
+
+def remarks(
+    calibration: Calibration, manifest: Manifest, deviating: tuple[Deviation, ...]
+) -> tuple[RemarkRow, ...]:
+    """What the reader has to know about this calibration: deviations, then remarks."""
+    elsewhere = NOT_RECORDED | STATED_AT_ITEM
+    others = (remark for remark in calibration.remarks if remark.code not in elsewhere)
+    kinds = {segment.name: segment.kind for segment in manifest.segments or ()}
+    printed = (_remark(group, kinds) for group in alike(others))
+    return (*(RemarkRow(each.printed) for each in deviating), *printed)
+
+
+def alike(remarks: Iterable[Remark]) -> list[list[Remark]]:
+    """Remarks in order; together those that differ in segment, axis and figures alone."""
+    groups: dict[Hashable, list[Remark]] = {}
+    for number, remark in enumerate(remarks):
+        key = (remark.code, remark.blocks_pass, remark.run, kind_of(remark))
+        groups.setdefault(key if remark.segments else number, []).append(remark)
+    return list(groups.values())
+
+
+def once_for_all(remarks: Iterable[Remark]) -> Iterator[tuple[Remark, Sayable]]:
+    """Remarks in order with their sentences; of those that hold for many segments the first, with
+    how many segments more there are.
+    """
+    for group in alike(remarks):
+        if len(group) <= FEW:
+            yield from ((remark, remark) for remark in group)
+            continue
+        more = {name for other in group[1:] for name in other.segments}
+        yield group[0], message("certificate-remark.alike", remark=group[0], count=len(more))
+
+
+def _remark(group: list[Remark], kinds: Mapping[str, str]) -> RemarkRow:
+    """The first of remarks that say the same of several segments; the segments that the sentence
+    does not name, by name or by how many there are of each kind; what it prevents.
+    """
+    remark, *others = group
+    sentence = quoted(remark)
+    named = (re.search(rf"(?<!\w){re.escape(n)}(?!\w)", say(remark)) for n in remark.segments)
+    names = dict.fromkeys(() if all(named) else remark.segments)
+    if others:
+        more = dict.fromkeys(name for other in others for name in other.segments)
+        sentence = message("certificate-remark.alike", remark=sentence, count=len(more))
+        names |= more
+    listed = ", ".join(names)
+    shown: Sayable = listed if len(names) <= FEW else _by_kind(names, kinds)
+    if shown:
+        sentence = message("certificate-remark", remark=sentence, segments=shown)
+    if remark.run == "invalid":
+        sentence = message("certificate-remark.invalid", remark=sentence)
+    if remark.blocks_pass:
+        sentence = message("certificate-remark.blocks", remark=sentence)
+    return RemarkRow(sentence, listed if len(names) > FEW else "")
+
+
+def _by_kind(names: Iterable[str], kinds: Mapping[str, str]) -> Sayable:
+    """How many of the segments there are of each kind; nothing where no kind is known."""
+    counts = Counter(kinds[name] for name in names if name in kinds)
+    parts = [message(f"certificate-segments.{kind}", count=n) for kind, n in counts.items()]
+    return clauses(parts) if parts else ""
+
 
 SYMBOL = "symbol"  # the argument of a reason by which it is of one element
 
@@ -262,12 +341,13 @@ def _global_risks(decision: Decision) -> list[Field]:
             risks.setdefault(limit.item, []).append(limit.global_risks)
     parts = [
         message(
-            "certificate-global-risk.item", item=item_title(item),
+            "certificate-global-risk.item",
+            item=item_title(item),
             consumer=probability_text(max(risk.consumer for risk in of_item)),
             producer=probability_text(max(risk.producer for risk in of_item)),
         )
         for item, of_item in risks.items()
-    ]  # fmt: skip
+    ]
     if not parts:
         return []
     return [field("global-risk", message("certificate-global-risk", parts=clauses(parts)))]

@@ -131,9 +131,10 @@ def _beside(path: Path, content: bytes, trusted: Sequence[bytes]) -> _Found:
         if other.is_file():
             found = check(other.read_bytes(), trusted)
             same = (
-                found.certificate.evidence_sha256 == evidence if evidence
+                found.certificate.evidence_sha256 == evidence
+                if evidence
                 else found.record == content
-            )  # fmt: skip
+            )
             if not same:
                 raise Broken(
                     f"it is not the {what} that {other.name} {'names' if evidence else 'holds'}"

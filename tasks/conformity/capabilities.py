@@ -183,15 +183,15 @@ def check_capabilities(capabilities: Capabilities) -> None:
         raise Unusable(f"laboratory.toml: {'; '.join(faults)}; correct [[capabilities]] there.")
 
 
-def as_stated(calibration: Calibration, capabilities: Capabilities) -> Calibration:
-    """The calibration with no U below the capabilities; as it is where none are given.
+def as_stated(calibration: Calibration, laboratory: Laboratory | None) -> Calibration:
+    """The calibration with no U below a laboratory's capabilities; as it is where it has none.
 
     U of a budget is the stated one too; its u_c and its lines remain what was evaluated.
     """
-    if not capabilities:
+    if laboratory is None or not laboratory.capabilities:
         return calibration
     items = {
-        name: _raised(item, _least(calibration, name, capabilities))
+        name: _raised(item, _least(calibration, name, laboratory.capabilities))
         for name, item in calibration.items.items()
     }
     return calibration.model_copy(update={"items": items})
@@ -206,18 +206,14 @@ def certificate_as_stated(certificate: Certificate) -> Certificate:
     laboratory, found = certificate.laboratory, certificate.as_found
     if laboratory is None:
         return certificate
-    capabilities = laboratory.capabilities
     if not_accredited(certificate) or outside_accreditation(certificate):
         laboratory = laboratory.model_copy(update=no_text("accreditation"))
+    if found:
+        stated = as_stated(found.calibration, laboratory)
+        found = found.model_copy(update={"calibration": stated})
+    calibration = as_stated(certificate.calibration, laboratory)
     return certificate.model_copy(
-        update={
-            "laboratory": laboratory,
-            "calibration": as_stated(certificate.calibration, capabilities),
-            "as_found": found
-            and found.model_copy(
-                update={"calibration": as_stated(found.calibration, capabilities)}
-            ),
-        }
+        update={"laboratory": laboratory, "calibration": calibration, "as_found": found}
     )
 
 

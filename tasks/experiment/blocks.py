@@ -120,8 +120,9 @@ def _ramps(recording: Recording, axes: TableAxes) -> list[np.ndarray]:
     rows = max(1, round(SMOOTH_S / sample_interval(recording.imu.t)))
     change = np.nan_to_num(np.abs(speeds[rows:] - speeds[:-rows])) / SMOOTH_S
     changes = change > FAINT * change.max(initial=0.0)
-    return [change[first:last, k] for k in range(change.shape[1])
-            for first, last in runs(changes[:, k])]  # fmt: skip
+    return [
+        change[first:last, k] for k in range(change.shape[1]) for first, last in runs(changes[:, k])
+    ]
 
 
 def _share(ramps: Sequence[np.ndarray]) -> float:
@@ -324,9 +325,10 @@ def _about(one: Attitude, abilities: Abilities) -> Iterator[Block]:
             name=f"{name}_{one.label}", rates_deg_s=_rounded(rates), dwell_s=RATE_S, **spin
         )
         yield Block(run.name, (run,))
-    yield Block(f"turns_{one.label}", (
-        Turns(name=f"turns_{one.label}", turns=2, rate_deg_s=round(0.25 * most, 1), **spin),
-    ))  # fmt: skip
+    yield Block(
+        f"turns_{one.label}",
+        (Turns(name=f"turns_{one.label}", turns=2, rate_deg_s=round(0.25 * most, 1), **spin),),
+    )
 
 
 def _sinusoids(abilities: Abilities, one: Attitude, spin: dict[str, Any]) -> Iterator[Block]:
@@ -338,8 +340,9 @@ def _sinusoids(abilities: Abilities, one: Attitude, spin: dict[str, Any]) -> Ite
         amplitude = round(EDGE * rate / (2.0 * np.pi * frequency), 3)
         cycles = max(1, round(SINE_S * frequency))
         name = f"sine_{one.label}_{frequency:.1f}hz"
-        step = Oscillation(name=name, amplitude_deg=amplitude, frequency_hz=frequency,
-                           cycles=cycles, **spin)  # fmt: skip
+        step = Oscillation(
+            name=name, amplitude_deg=amplitude, frequency_hz=frequency, cycles=cycles, **spin
+        )
         if amplitude <= MOST_AMPLITUDE_DEG:
             yield Block(name, (step,))
 

@@ -409,8 +409,9 @@ def _apart(model: Model, general: str, of_special: Model, special: str) -> Model
     """The general effect as a typical departure from its special case: what the recording leaves
     open of it is not what it was fitted to.
     """
-    r = next(of_special.values[place] for key, place in of_special.places.items()
-             if key[0] == special)  # fmt: skip
+    r = next(
+        of_special.values[place] for key, place in of_special.places.items() if key[0] == special
+    )
     values = model.values.copy()
     for key, place in model.places.items():
         if key[0] == general:

@@ -70,9 +70,10 @@ class UnitNoise:
         full = replace(
             full,
             segment_variance=np.tile(variance, (len(full.segments) + 1, 1)),
-            steps=self.full.steps, dithered=self.full.dithered,
+            steps=self.full.steps,
+            dithered=self.full.dithered,
             reference_noise=self.full.reference_noise,
-        )  # fmt: skip
+        )
         return block_means(full, self.rate, fewest=1)
 
     def recording(self, fine: Recording, truth: Model) -> Recording:

@@ -146,8 +146,9 @@ class _Track:
         """One axis from rest to rest by an angle, however far."""
         way = np.zeros(len(self.angles))
         way[axis] = by
-        self._append(self.angles + way * _profile(abs(by), rate, acceleration,
-                                                  self.step_s)[:, None])  # fmt: skip
+        self._append(
+            self.angles + way * _profile(abs(by), rate, acceleration, self.step_s)[:, None]
+        )
 
     def swing(self, step: Oscillation) -> None:
         """One axis to and fro, from rest to rest."""
@@ -196,9 +197,10 @@ def planned_recording(
     names = [f"{axis.name}_angle" for axis in like.station.table_axes or ()]
     columns = dict(zip(names, np.radians(angles).T, strict=True))
     fields = {
-        "recording_id": procedure.name, "segments": tuple(track.segments),
+        "recording_id": procedure.name,
+        "segments": tuple(track.segments),
         "standard": procedure.standard,
-    }  # fmt: skip
+    }
     noise = np.random.default_rng(0).normal(scale=QUIET_NOISE, size=(6, len(t)))
     readings = dict(zip((*GYRO, *ACCEL), noise, strict=True))
     if thermal is not None and track.set_points:

@@ -4,7 +4,6 @@ from functools import lru_cache
 from math import comb
 
 import numpy as np
-from scipy.signal import lfilter
 
 from schemas.recording import Stream
 
@@ -143,5 +142,7 @@ def first_order_lag(
 
     seconds: its time constant. start: the value it was in balance with before the first row.
     """
+    from scipy.signal import lfilter  # late: loading it takes longer than most calibrations
+
     stays = np.exp(-step / seconds)
     return np.asarray(lfilter([1.0 - stays], [1.0, -stays], signal, zi=[stays * start])[0])

@@ -14,7 +14,6 @@ from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
-from scipy.interpolate import CubicSpline
 from scipy.ndimage import median_filter
 
 from schemas.recording import Recording, Stream
@@ -382,6 +381,8 @@ def _misfits(read: np.ndarray, signal: np.ndarray) -> np.ndarray:
 
 def _sharp(at: np.ndarray, lags: np.ndarray, chi2: np.ndarray) -> WindowDelays | None:
     """The delays of windows at (m,) s that tell one, by the chi-squared (m, lags)."""
+    from scipy.interpolate import CubicSpline  # late: few recordings need it, and all wait for it
+
     best = chi2.argmin(axis=1)
     inside = (best > 0) & (best < len(lags) - 1)
     at, chi2, best = at[inside], chi2[inside], best[inside]

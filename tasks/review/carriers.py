@@ -132,7 +132,7 @@ class Change:
 
 
 def refined(pool: Pool, one: Carried, tried: int) -> Carried:
-    """With the likeliest first and last run, of every one."""
+    """Moves the first and last run to the likeliest ones."""
     for _ in range(2):
         for side in ("first", "last"):
             if getattr(one.window, side) not in (0, one.window.count):
@@ -141,7 +141,7 @@ def refined(pool: Pool, one: Carried, tried: int) -> Carried:
 
 
 def with_both_ends(pool: Pool, one: Carried, tried: int) -> Carried:
-    """With a second change where it gains more than its price."""
+    """Adds a second change where it gains more than its price."""
     best = one
     for side in ("first", "last"):
         if getattr(one.window, side) in (0, one.window.count):
@@ -270,13 +270,13 @@ def at_window_of(best: Carried, pool: Pool, one: Worth, tried: int) -> Carried:
 
 
 def spreads_most(around: Sequence[Carried]) -> Carried:
-    """Of effects in one window the likeliest, with what it explains in other runs."""
+    """Picks the likeliest effect of one window, with what it explains in other runs."""
     return max(around, key=lambda each: each.total)
 
 
 def simplest(pool: Pool, around: Sequence[Carried]) -> Carried:
-    """Of effects in one window the likeliest; of those that explain it as well as forms are known,
-    that of fewest parameters.
+    """Picks the likeliest effect of one window; of those that explain it as well as forms are
+    known, that of fewest parameters.
     """
     rows, beside = rows_of(pool, around[0].window), spreads_most(around)
     explained = [(explains(pool, each, rows, beside), each) for each in around]
@@ -348,8 +348,8 @@ def other_carriers(
 
 
 def price_of_more(best: Carried, other: Carried, runs: int) -> float:
-    """Of what another has beyond the best that it holds, which fits it whatever it is: as `explain`
-    counts it, the logarithm of the intervals for each parameter.
+    """Prices what another has beyond the best that it holds, which fits it whatever it is: as
+    `explain` counts it, the logarithm of the intervals for each parameter.
     """
     if HOLDS.get(best.effect.name) != other.effect.name:
         return 0.0

@@ -80,9 +80,10 @@ def found_together(pool: Pool) -> tuple[tuple[FoundTogether, ...], float]:
             break
         best = max(believed, key=lambda one: one.score)
         names = {
-            one.effect.name: None for one in sorted(believed, key=lambda one: -one.score)
+            one.effect.name: None
+            for one in sorted(believed, key=lambda one: -one.score)
             if one.score > best.score - CERTAIN and one.effect.name != best.effect.name
-        }  # fmt: skip
+        }
         found.append(_with_names(best, tuple(names)))
         for number, values in enumerate(best.values):
             pool = pool.less(best.effect, values, best.group == number)

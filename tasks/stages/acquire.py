@@ -14,6 +14,7 @@ from schemas.procedure import Procedure
 from schemas.recording import ENDED, Manifest, Recording, RunStatus, State
 from schemas.station import StationFile
 from schemas.text import Statement
+from storage import settings
 from storage.catalogue.runs import Run
 from storage.formats.mcap.reader import NothingWhole, has_readings, read_mcap
 from storage.formats.mcap.writer import RawWriter
@@ -23,10 +24,10 @@ from storage.whole_files import writing_in_home
 from tasks.stages.stage import stage
 from tasks.stages.stoppable import stop_watch
 from tasks.stages.store import ready_to_acquire, store, store_waiting
-from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
+from tasks.station import procedures
+from tasks.station.acquisition import Acquired, NewRecording, Progress, RunRequest, acquire
 from tasks.station.connected_station import OPERATOR, StopRequested, StopSwitch, stopped_by
 from tasks.station.ports import Ask
-from tasks.station.progress import Progress
 from tasks.station.run_manifest import interrupted
 from tasks.words import Sayable, cause_of, message
 
@@ -112,8 +113,9 @@ def _began(manifest: Manifest) -> str:
 
 def forget_empty(home: Home) -> None:
     """Remove files of runs that were killed before their first readings."""
-    written = {path for status, is_dead in statuses(home) if not is_dead
-               for path in status.recordings}  # fmt: skip
+    written = {
+        path for status, is_dead in statuses(home) if not is_dead for path in status.recordings
+    }
     for path in home.acquiring.glob("*.mcap"):
         with suppress(OSError):
             left = path.stat()
@@ -384,3 +386,16 @@ def status_file(
         write("stopped", str(fault) or type(fault).__name__, cause_of(fault))
         raise
     write("done")
+
+
+# The procedure that an order names.
+
+
+FILES = (".toml", ".json")
+
+
+def procedure_named(name: str) -> Procedure:
+    """The procedure of a file, or that of a name; raises Unusable where there is neither."""
+    if Path(name).suffix in FILES:
+        return settings.read(Path(name), Procedure)
+    return procedures.load(name)

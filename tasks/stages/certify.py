@@ -24,10 +24,10 @@ from storage.home import Home
 from tasks import conformity, reminders
 from tasks.calibrate.evidence_file import why_none
 from tasks.certificate.content import differences
+from tasks.certificate.figures import curves_of_run, history_curves
 from tasks.certificate.mandatory import missing
 from tasks.certificate.pdf import faces_of
 from tasks.conformity.capabilities import certificate_as_stated
-from tasks.curves import curves_of_run, history
 from tasks.specifications.register import SPECIFICATIONS
 from tasks.stages.certificate_inputs import (
     CertificateInputs,
@@ -213,8 +213,8 @@ def certify(
     manifest = recording.manifest
     free = manifest_fields(manifest.model_extra or {}, run)
     tolerance = tolerance_of(inputs, run, manifest.unit, home)
-    given = laboratory = inputs.laboratory or settings.laboratory(home)
-    in_run = in_use(recording, home, laboratory)
+    in_run = in_use(recording, home, inputs.laboratory)
+    given = laboratory = in_run.laboratory
     recording = in_run.certified
     order, now = inputs.order, datetime.now(UTC)
     today = day_of_moment(now)
@@ -225,8 +225,8 @@ def certify(
         laboratory = laboratory.model_copy(update={"equipment": equipment})
         laboratory = with_appearance(laboratory, home)
     check_order(order, calibrated_on, today)
-    capabilities = laboratory.capabilities if laboratory else ()
-    conformity.check_capabilities(capabilities)
+    if laboratory:
+        conformity.check_capabilities(laboratory.capabilities)
     validated = settings.validation(home) or record.shipped()
     on = calibrated_on or today
     configuration = configuration_of(manifest.unit, order.configuration if order else None)
@@ -242,15 +242,14 @@ def certify(
             *conformity.failed_checks(used),
             *conformity.smaller_than_stated(result, used, on),
         )
-        stated = conformity.as_stated(result, capabilities)
+        stated = conformity.as_stated(result, laboratory)
         return conformity.decide(stated, tolerance, (*standing, *unmet), doubts)
 
     decision = decide(calibration, equipment)
     evidence = None
     if why_none(calibration) is None:
-        stated = conformity.as_stated(calibration, capabilities)
-        made = evidence_of(stated, in_run, decision)
-        evidence = as_text(made).encode()
+        stated = conformity.as_stated(calibration, laboratory)
+        evidence = as_text(evidence_of(stated, in_run, decision)).encode()
     found = as_found and _as_found(as_found, (run, calibration), home, inputs, given, decide)
     named = statement(record.named(validated, calibration))
     drafter = inputs.by or (laboratory.operator if laboratory else None)
@@ -280,7 +279,7 @@ def certify(
         evidence_sha256=hashlib.sha256(evidence).hexdigest() if evidence else None,
     )
     earlier = map(certificate_as_stated, earlier_certificates(run, calibrated_on, home))
-    moved = tuple(history(certificate_as_stated(certificate), tuple(earlier)))
+    moved = tuple(history_curves(certificate_as_stated(certificate), tuple(earlier)))
     drawn = certificate.model_copy(update={"curves": (*certificate.curves, *moved)})
     if replaces:
         changed = differences(certificates.find(replaces.number, home), drawn)

@@ -169,9 +169,10 @@ def _disk(home: Home) -> Iterator[Examined]:
     yield Examined(
         what="disk of the home",
         found=f"{free / 2**30:.1f} GiB free",
-        remedy=None if free >= FREE_BYTES
+        remedy=None
+        if free >= FREE_BYTES
         else "Free some space, or see with `mimucal prune --before DATE` what nothing needs.",
-    )  # fmt: skip
+    )
 
 
 def _memory(_: Home) -> Iterator[Examined]:
@@ -190,9 +191,10 @@ def _home(home: Home) -> Iterator[Examined]:
     yield Examined(
         what="home",
         found=f"{home.path}{made}" if is_good else f"{folder} takes no files",
-        remedy=None if is_good
+        remedy=None
+        if is_good
         else "Let MIMUCAL_HOME name a folder that you may write to, or change this one's rights.",
-    )  # fmt: skip
+    )
 
 
 def _rights(home: Home) -> Iterator[Examined]:
@@ -275,10 +277,11 @@ def _alerts(home: Home) -> Iterator[Examined]:
     yield Examined(
         what="alerts",
         found=f"go to {', '.join(operators.channels)}" if operators else "nobody is alerted",
-        remedy=None if operators
+        remedy=None
+        if operators
         else f"Name in [operators] of {home.path / settings.REMINDERS} who hears of a run that is "
         "late, crashed or invalid.",
-    )  # fmt: skip
+    )
 
 
 def _validation(home: Home) -> Iterator[Examined]:
@@ -291,9 +294,10 @@ def _validation(home: Home) -> Iterator[Examined]:
     yield Examined(
         what="validation record",
         found="of this code" if is_current else "of another code",
-        remedy=None if is_current
+        remedy=None
+        if is_current
         else "No unit passes by it: run `mimucal validate`, which takes some ten minutes.",
-    )  # fmt: skip
+    )
 
 
 def _interrupted(home: Home) -> Iterator[Examined]:
@@ -319,8 +323,9 @@ def _interrupted(home: Home) -> Iterator[Examined]:
         what="runs to be stored",
         found=", ".join(path.name for path in waiting) or "none",
         remedy=f"Store each with `mimucal import {home.acquired}/FILE`; the next run does, too."
-        if waiting else None,
-    )  # fmt: skip
+        if waiting
+        else None,
+    )
 
 
 def _prefect(_: Home) -> Iterator[Examined]:

@@ -119,7 +119,7 @@ def _written(value: Any) -> str:
 
 @dataclass(frozen=True)
 class InUse:
-    """With what a run was measured, and what its laboratory states of it.
+    """The circumstances of a run: with what it was measured, and what its laboratory states of it.
 
     recording: as it was recorded. day: on which the standards were used; None where it is unknown.
     """
@@ -167,8 +167,12 @@ class InUse:
         )  # fmt: skip
 
 
-def in_use(recording: Recording, home: Home, laboratory: Laboratory | None) -> InUse:
-    """The circumstances of a run, by its manifest, the register and the laboratory."""
+def in_use(recording: Recording, home: Home, laboratory: Laboratory | None = None) -> InUse:
+    """The circumstances of a run, by its manifest, the register and the laboratory.
+
+    laboratory: that of the home, unless given.
+    """
+    laboratory = laboratory or settings.laboratory(home)
     day: date | None = provenance(recording.manifest)["recorded_on"]
     standards = standards_in_use(recording.manifest, home, laboratory, day)
     return InUse(recording, laboratory, standards, day)
@@ -208,7 +212,6 @@ def estimate(
     them and supersedes only one with the same terms. Raises Unusable for a term that this recording
     cannot have or does not determine.
     """
-    laboratory = laboratory or settings.laboratory(home)
     calibration = calibration_of(run, home, how or Estimation(), laboratory)
     results.save(calibration, home)
     return calibration
@@ -362,8 +365,7 @@ def export_evidence(order: ExportOrder, home: Home) -> str:
     calibration = read_calibration(order.calibration, home)
     for run in runs.all_runs(home):
         if run.digest == calibration.digest:
-            used = in_use(runs.load(run, home), home, settings.laboratory(home))
-            return as_text(evidence_of(calibration, used))
+            return as_text(evidence_of(calibration, in_use(runs.load(run, home), home)))
     raise Unusable(
         f"run {calibration.run} of {calibration.recording_id} is not in {home.path}, and its "
         "evidence is made of the recording: import that."

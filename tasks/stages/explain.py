@@ -196,7 +196,7 @@ def explain_run(
     reference, doubts = _reference(as_mean_rates(recording), home, order)
     unit = recording.manifest.unit
     tolerance = settings.tolerance_for(unit.manufacturer, unit.model, home)
-    limits = in_use(recording, home, settings.laboratory(home)).limits
+    limits = in_use(recording, home).limits
     prepared = prepare(recording, reference, progress=progress)
     explanation = explained(prepared, progress=progress)
     report_progress(progress, "consequences")

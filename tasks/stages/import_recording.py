@@ -18,7 +18,6 @@ from storage.formats.convert import Changes
 from storage.formats.manifest import absent
 from storage.home import Home
 from storage.verify import StoreFault
-from tasks.motion.encoders import as_mean_rates
 from tasks.readings.axes import segment_means
 from tasks.readings.codes import codes_put_right
 from tasks.readings.plausibility import on_sight
@@ -205,6 +204,8 @@ def _unreadable_moment(manifest: Manifest) -> str | None:
 
 
 def _on_sight(recording: Recording) -> OnSight:
+    from tasks.motion.encoders import as_mean_rates  # late: signal filters take a while to load
+
     right = as_mean_rates(codes_put_right(with_instants(recording)))
     return right, (*right.put_right, *on_sight(right, segments_of(right)))
 

@@ -259,7 +259,6 @@ def _at_state(
 
 
 def _check_state(entry: Entry, state: State) -> None:
-    """The sentence for a step that is not the next one."""
     number = entry.number
     if entry.state == state and (entry.purpose or state == "issued"):
         return

@@ -22,7 +22,7 @@ from tasks.readings.codes import codes_put_right
 from tasks.readings.plausibility import on_sight
 from tasks.readings.rows import Break, across_breaks
 from tasks.readings.stamps import with_instants
-from tasks.rendering.chart import GREY, draw, envelope, time_axis
+from tasks.rendering import GREY, draw, envelope, time_axis
 from tasks.run_validity.site import normal_gravity
 from tasks.segments.find import find_segments
 from tasks.stages.import_recording import Imported, label_doubts

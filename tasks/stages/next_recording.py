@@ -24,7 +24,7 @@ from tasks.experiment.separation import UnitNoise
 from tasks.experiment.track import ThermalResponse
 from tasks.explain.progress import Progress, report_progress, silent
 from tasks.model.term import effect_name, separating_recording
-from tasks.stages.procedure_input import procedure_named
+from tasks.stages.acquire import procedure_named
 from tasks.stages.stage import stage
 from tasks.words import Message, clauses, identifiers, message, statement
 

@@ -13,9 +13,20 @@ from storage import settings
 from storage.catalogue import certificates, equipment
 from storage.catalogue.certificates import Entry
 from storage.home import Home
-from tasks.reminders import send as sending
-from tasks.reminders.reliability import Interval, IntervalAdvice, advise
-from tasks.reminders.send import OCCASIONS, body, calendar, is_silent, occasion, pause, title
+from tasks.reminders import (
+    OCCASIONS,
+    Interval,
+    IntervalAdvice,
+    advise,
+    body,
+    calendar,
+    check_channel,
+    is_silent,
+    occasion,
+    pause,
+    send,
+    title,
+)
 from tasks.stages.stage import announce, logger_of
 from tasks.words import MAIN, Message, Sayable, message, say, statement
 
@@ -55,7 +66,7 @@ def _names(party: Party | None) -> tuple[str, str]:
     return (named or statement("")).pair
 
 
-def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
+def remind(home: Home, now: datetime, send: Send = send) -> list[str]:
     """Sends the reminders that are due at a moment; returns those that failed, in a sentence each.
 
     Each reminder is sent once on each channel of its client. One that fails is tried again by a
@@ -67,7 +78,7 @@ def remind(home: Home, now: datetime, send: Send = sending.send) -> list[str]:
     if asked is None:
         return []
     urls = {
-        (client.name, name): sending.check_channel(name, url)
+        (client.name, name): check_channel(name, url)
         for client in asked.clients
         for name, url in client.channels.items()
     }
@@ -220,7 +231,7 @@ class Sent:
 def alert(
     home: Home,
     sentence: Sayable,
-    send: Send = sending.send,
+    send: Send = send,
     *,
     only: Collection[str] | None = None,
 ) -> list[Sent]:
@@ -236,7 +247,7 @@ def alert(
             f"{home.path / settings.REMINDERS} names no operators; add [operators] with channels."
         )
     urls = {
-        name: sending.check_channel(name, url)
+        name: check_channel(name, url)
         for name, url in asked.operators.channels.items()
         if only is None or name in only
     }

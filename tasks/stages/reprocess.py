@@ -8,11 +8,11 @@ from dataclasses import dataclass
 from functools import cache
 from typing import TypeVar
 
-from schemas.base import Unusable
+from schemas.base import Progress, Unusable
 from schemas.certificate import LIVE, Laboratory
 from schemas.history import Change, Difference, Failure, Plan, Reprocessing, Touched
 from schemas.orders import Estimation, ReprocessOrder
-from schemas.tolerance import Capability, Tolerance
+from schemas.tolerance import Decision, Tolerance
 from storage import settings
 from storage.blobs import Unreachable, blobs_of
 from storage.catalogue import certificates, equipment, results
@@ -82,10 +82,8 @@ def reprocess_one(job: Job) -> Outcome:
             )  # fmt: skip
             if not before:
                 return Outcome(made, Difference())
-            capabilities = job.laboratory.capabilities if job.laboratory else ()
-            return Outcome(
-                made, difference(before.calibration, calibration, job.tolerance, capabilities)
-            )
+            moved = difference(before.calibration, calibration, job.tolerance, job.laboratory)
+            return Outcome(made, moved)
     except Unusable as fault:
         why = str(fault)
     except Exception as failure:
@@ -149,7 +147,6 @@ def _patiently(ask: Callable[[], R]) -> R:
             time.sleep(PAUSE_S)
 
 
-Progress = Callable[[int, int], None]
 DIED = (
     "its worker died twice while it was at this run alone; see that the machine has enough memory "
     "for it, and calibrate it by itself"
@@ -188,6 +185,15 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     runs = _selected(order, now, home)
     earlier = _done(runs, now, home)
     limits = cache(lambda manufacturer, model: settings.tolerance_for(manufacturer, model, home))
+    by_id = {run.id: run for run in runs}
+
+    def between(before: str, after: str, printed: Decision | None = None) -> Difference:
+        """What changed from one kept result to another of the same run."""
+        was, now = (results.find(each, home) for each in (before, after))
+        run = by_id[now.run]
+        tolerance = limits(run.manufacturer, run.model)
+        return difference(was.calibration, now.calibration, tolerance, laboratory, printed)
+
     store = store_of(home)
     jobs = [
         Job(each, home, store, now, laboratory, limits(each.run.manufacturer, each.run.model))
@@ -198,9 +204,7 @@ def reprocess(order: ReprocessOrder, home: Home, progress: Progress) -> Reproces
     for outcome in _carried_out(jobs, order):
         outcomes.append(outcome)
         progress(len(outcomes), len(jobs))
-    capabilities = laboratory.capabilities if laboratory else ()
-    before = _again(earlier, runs, limits, capabilities, home)
-    compared = _with_certificates([*before, *outcomes], runs, limits, capabilities, home)
+    compared = _with_certificates([*_again(earlier, between), *outcomes], between, home)
     report = _report(runs, list(compared), home).model_copy(
         update={
             "circumstances": now,
@@ -249,36 +253,21 @@ def _done(runs: Sequence[Run], now: str, home: Home) -> list[Made]:
     return [each for each in made if each.run in ids and not each.fault]
 
 
-def _again(
-    earlier: Sequence[Made],
-    runs: Sequence[Run],
-    limits: Callable[[str, str], Tolerance | None],
-    capabilities: Sequence[Capability],
-    home: Home,
-) -> Iterator[Outcome]:
+def _again(earlier: Sequence[Made], between: Callable[..., Difference]) -> Iterator[Outcome]:
     """The differences of what was made again before."""
-    by_id = {run.id: run for run in runs}
     for made in earlier:
         changes = Difference()
         if made.before and made.after and made.before != made.after:
-            run = by_id[made.run]
-            before, after = (results.find(each, home) for each in (made.before, made.after))
-            tolerance = limits(run.manufacturer, run.model)
-            changes = difference(before.calibration, after.calibration, tolerance, capabilities)
+            changes = between(made.before, made.after)
         yield Outcome(made, changes)
 
 
 def _with_certificates(
-    outcomes: Sequence[Outcome],
-    runs: Sequence[Run],
-    limits: Callable[[str, str], Tolerance | None],
-    capabilities: Sequence[Capability],
-    home: Home,
+    outcomes: Sequence[Outcome], between: Callable[..., Difference], home: Home
 ) -> Iterator[Outcome]:
     """The outcomes; of a result that a live certificate prints, or that came after the printed one,
     with the difference from that certificate.
     """
-    by_id = {run.id: run for run in runs}
     papers = {each.run: each for each in certificates.register(home) if each.state in LIVE}
     for outcome in outcomes:
         made = outcome.made
@@ -289,13 +278,8 @@ def _with_certificates(
         if paper.result not in (made.before, *results.chain(made.before, home)):
             yield outcome
             continue
-        run = by_id[made.run]
-        printed, after = (results.find(each, home) for each in (paper.result, made.after))
-        moved = difference(
-            printed.calibration, after.calibration, limits(run.manufacturer, run.model),
-            capabilities, certificates.record_of(paper, home).decision,
-        )  # fmt: skip
-        yield Outcome(made, moved)
+        printed = certificates.record_of(paper, home).decision
+        yield Outcome(made, between(paper.result, made.after, printed))
 
 
 def _report(runs: Sequence[Run], outcomes: Sequence[Outcome], home: Home) -> Reprocessing:

@@ -1,6 +1,6 @@
 """Stage: what many runs show together, who carries it and since when."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
 from datetime import UTC, datetime
@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from schemas.base import Unusable
+from schemas.base import Progress, Unusable
 from schemas.certificate import LIVE, Laboratory
 from schemas.discrepancy import KeptReview, Review, Skipped, Touched
 from schemas.orders import ReviewOrder, Selection, order_of
@@ -16,6 +16,7 @@ from storage import run_statistics, settings
 from storage.catalogue import certificates, runs
 from storage.catalogue.runs import Run
 from storage.catalogue.selection import check_known, select
+from storage.formats.manifest import MANIFEST
 from storage.home import Home
 from storage.whole_files import report_folder, written_out
 from tasks.review.hypotheses import Effect
@@ -33,14 +34,12 @@ from tasks.version import code_version
 
 MOST = 200  # newest certificates examined for each finding
 FEWEST_FOR_POOL = 8  # fewest certificates for which a process pool is faster
-Progress = Callable[[int, int], None]
 FEWEST = 2  # fewest runs that can be compared
-MANIFEST = "manifest.json"
 SELECTED = ("since", "until", "model", "serial", "station")
 
 
 @dataclass(frozen=True)
-class AffectedCertificate:
+class CertificateUnderEffect:
     """A certificate, the run it is based on, and an effect with values (m,) SI.
 
     laboratory: that of the home.
@@ -103,9 +102,8 @@ def _kept(review: Review, order: ReviewOrder, used: Sequence[Run]) -> KeptReview
     asked |= {"paths": str(len(order.paths))} if order.paths else {}
     days = sorted(run.recorded_on for run in used if run.recorded_on is not None)
     return KeptReview(
-        at=datetime.now(UTC), asked=asked, days=(days[0], days[-1]) if days else None,
-        review=review,
-    )  # fmt: skip
+        at=datetime.now(UTC), asked=asked, days=(days[0], days[-1]) if days else None, review=review
+    )
 
 
 def _chosen(order: ReviewOrder, home: Home) -> tuple[list[Run], list[Skipped]]:
@@ -147,9 +145,7 @@ def _recordings(named: str) -> list[str]:
 
 
 def _selected(run: Run, order: ReviewOrder) -> bool:
-    asked = (
-        (order.model, run.model), (order.serial, run.serial), (order.station, run.station),
-    )  # fmt: skip
+    asked = ((order.model, run.model), (order.serial, run.serial), (order.station, run.station))
     day = run.recorded_on or run.imported_at.date()
     within = (order.since is None or day >= order.since) and (
         order.until is None or day <= order.until
@@ -188,8 +184,8 @@ def with_certificates(
             one.pool.runs[k].run for k in np.flatnonzero(rows_of(one.pool, one.best.window))
         }
         jobs = [
-            AffectedCertificate(entry.number, chosen[entry.run], one.best.effect, one.values, home,
-                laboratory)
+            CertificateUnderEffect(
+                entry.number, chosen[entry.run], one.best.effect, one.values, home, laboratory)
             for entry in standing if entry.run in affected
         ][-MOST:]  # fmt: skip
         workers = min(processors(), len(jobs) // FEWEST_FOR_POOL)
@@ -198,7 +194,7 @@ def with_certificates(
     return review.model_copy(update={"findings": tuple(findings)})
 
 
-def _touched(job: AffectedCertificate) -> list[Touched]:
+def _touched(job: CertificateUnderEffect) -> list[Touched]:
     """Nothing where the recording is gone or its clauses give no items."""
     try:
         recording = runs.load(job.run, job.home)
@@ -209,5 +205,5 @@ def _touched(job: AffectedCertificate) -> list[Touched]:
     return list(touched_of(job.certificate, elements))
 
 
-def _none(job: AffectedCertificate) -> list[Touched]:
+def _none(job: CertificateUnderEffect) -> list[Touched]:
     return []

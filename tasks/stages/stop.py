@@ -91,8 +91,13 @@ def _enter_in_trail(request: StopRequest, home: Home) -> None:
 
 
 def current_user() -> str:
-    """The person at this terminal: MIMUCAL_USER, else the name of the login."""
-    return os.environ.get("MIMUCAL_USER") or getpass.getuser()
+    """The person at this terminal: MIMUCAL_USER, else the name of the login, or its number where it
+    has none, as in a container. Never fails: a stop waits for nothing.
+    """
+    try:
+        return os.environ.get("MIMUCAL_USER") or getpass.getuser()
+    except (KeyError, OSError):  # OSError from Python 3.13 on
+        return f"uid {os.geteuid()}"
 
 
 def _file(station: str, home: Home) -> tuple[StationFile | None, Unusable | None]:

@@ -109,7 +109,7 @@ def ready_to_acquire(station: str, home: Home) -> None:
 
 
 def free_bytes(folder: Path) -> int:
-    """On the disk of a folder, which need not exist yet."""
+    """How much is free on the disk of a folder, which need not exist yet."""
     there = next(each for each in (folder, *folder.parents) if each.exists())
     return shutil.disk_usage(there).free
 

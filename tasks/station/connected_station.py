@@ -28,16 +28,17 @@ T = TypeVar("T")
 OPERATOR = "the operator"  # of the terminal, and whoever sends a signal
 CANCELLATION, LOSS = "a cancellation in Prefect", "the loss of its Prefect worker"
 STOPS = {
-    OPERATOR: "station-log-operator", CANCELLATION: "station-cause.cancelled",
+    OPERATOR: "station-log-operator",
+    CANCELLATION: "station-cause.cancelled",
     LOSS: "station-cause.no-worker",
-}  # fmt: skip
+}
 AT_REST_DEG_S = 0.01
 REST_S = 20.0  # wall time: from 400 deg/s with 20 deg/s2
 LOOK_S = 0.03
 
 
 def stopped_by(name: str) -> Message:
-    """By whom, or by what, a run was stopped, as a sentence."""
+    """The sentence that says by whom, or by what, a run was stopped."""
     return message(STOPS[name]) if name in STOPS else message("station-log-stopped-by", name=name)
 
 
@@ -303,7 +304,7 @@ class TableOnBus(OnBus):
             await self._bus.stopped()
 
     async def bring_to_rest(self) -> None:
-        """On the bus: stop every axis, note when the table is at rest, and hand it back."""
+        """Stops every axis on the bus, notes when the table is at rest, and hand it back."""
 
         def commanded() -> None:
             self._stop.is_commanded = True

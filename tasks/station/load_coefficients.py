@@ -1,22 +1,18 @@
 """Writes the coefficients of a correction into the unit, by the lines of its description."""
 
-import time
+import re
 from functools import reduce
 from operator import xor
 from typing import Any
 
 import numpy as np
-import serial
 
 from schemas.base import Unusable
 from schemas.calibration import CorrectedUnit, Correction
 from schemas.recording import Unit
 from schemas.station import StationFile
 from schemas.unit_link import CoefficientLines, UnitLink
-
-ANSWER_S = 2.0
-READ_TIMEOUT_S = 0.05
-READ_BYTES = 4096
+from tasks.station.drivers.backend import ANSWER_S, asked, unit_port
 
 
 def load_correction(correction: Correction, station: StationFile) -> tuple[CorrectedUnit, int]:
@@ -55,7 +51,6 @@ def _is_the_same(one: CorrectedUnit, other: Unit) -> bool:
 
 
 def _line(template: str, correction: Correction, load: CoefficientLines) -> bytes:
-    """A line as it is sent."""
     values: dict[str, Any] = {
         name: (np.array(coefficient.value) / load.scale.get(name, 1.0)).tolist()
         for name, coefficient in correction.coefficients.items()
@@ -76,13 +71,12 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
     if link.url.startswith(("udp://", "file://")):
         raise Unusable(f"unit_link.url {link.url} can only be read from: give a serial line")
     try:
-        with serial.serial_for_url(
-            link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
-        ) as port:
+        acknowledgement = load.acknowledge.encode()
+        pattern = re.compile(re.escape(acknowledgement))
+        with unit_port(link) as port:
             for number, line in enumerate(lines):
                 port.reset_input_buffer()
-                port.write(line)
-                if not _is_acknowledged(port, load.acknowledge.encode()):
+                if asked(port, line, pattern, len(acknowledgement), ANSWER_S) is None:
                     raise Unusable(
                         f"the unit on {link.url} did not acknowledge “{line.decode().strip()}” "
                         f"with “{load.acknowledge}” within {ANSWER_S:g} s (lines acknowledged "
@@ -93,13 +87,3 @@ def _write(lines: list[bytes], link: UnitLink, load: CoefficientLines) -> None:
             f"the unit's line {link.url} cannot be written to ({error}): check the cable and "
             "unit_link.url of the station file"
         ) from error
-
-
-def _is_acknowledged(port: Any, answer: bytes) -> bool:
-    """Whether the answer arrives, among the frames that the unit continues to send."""
-    received, end_s = b"", time.monotonic() + ANSWER_S
-    while time.monotonic() < end_s:
-        received = received[-len(answer) :] + port.read(READ_BYTES)
-        if answer in received:
-            return True
-    return False

@@ -7,7 +7,7 @@ from itertools import groupby
 import numpy as np
 
 from schemas.procedure import EnvironmentLimits
-from schemas.recording import ANGLE, Segment, Stream, joined
+from schemas.recording import ANGLE, MEASURED, Segment, Stream, joined
 from schemas.text import Remark
 from schemas.unit_link import UnitLink
 from tasks.readings.robust import TO_SIGMA
@@ -15,7 +15,6 @@ from tasks.words import message, remark
 
 # Anomalies noticed during a run, and the remarks they become.
 
-MEASURED = ("static", "rate", "rotation")
 MAX_NAMED = 3
 # What makes a segment worth measuring again: a moment's fault of table, line or unit.
 FAILURES = (

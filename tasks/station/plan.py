@@ -157,9 +157,8 @@ def _segments_of(
     match step:
         case Position():
             yield replace(
-                common, dwell_s=step.dwell_s, turn_deg=step.turn_deg,
-                chamber_degc=step.chamber_degc,
-            )  # fmt: skip
+                common, dwell_s=step.dwell_s, turn_deg=step.turn_deg, chamber_degc=step.chamber_degc
+            )
         case Sweep():
             for stop in step.stops_deg:
                 angles = list(step.angles_deg)
@@ -291,9 +290,10 @@ def mount_in(fixture: Mount, inside: Mount) -> Mount:
 
 
 def _check_commands(
-    procedure: Procedure, step: Position | Sweep | RateRun | Turns | Oscillation,
+    procedure: Procedure,
+    step: Position | Sweep | RateRun | Turns | Oscillation,
     station: StationFile,
-) -> None:  # fmt: skip
+) -> None:
     """What a description of the table has no command for."""
     table = station.table
     if isinstance(table, PythonDevice):

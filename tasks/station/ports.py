@@ -81,7 +81,7 @@ class Table(Protocol):
 
     @property
     def time_half_width_s(self) -> float:
-        """By how much an encoder sample's time may be wrong; 0 where the table captures them."""
+        """How far an encoder sample's time may be wrong, s; 0 where the table captures them."""
 
     async def home(self) -> None:
         """Make it ready to move, its angles known."""

@@ -130,12 +130,13 @@ class RunLog:
         """What was noticed so far, how often, and when last."""
         return tuple(
             Alarm(
-                code=code, at=self._noticed_at[code, subject],
+                code=code,
+                at=self._noticed_at[code, subject],
                 **worded(message("station-log-times", alarm=_alarm(code, subject), count=count)),
             )
             for (code, subject), count in self._noticed.items()
             if code != REPEATED
-        )  # fmt: skip
+        )
 
     def _note(self, cause: Message) -> None:
         t = round(self._clock.station_s - self._origin_s, 3)
@@ -403,7 +404,7 @@ class Recorder:
 
     @property
     def noise(self) -> Mapping[str, float]:
-        """As LastRows has it; of several units, the noisiest's."""
+        """The noise as LastRows has it; that of the noisiest of several units."""
         return _most((unit.last_rows.noise for unit in self.sound), max)
 
 

@@ -9,10 +9,10 @@ from typing import Any, Literal
 import numpy as np
 
 from schemas.procedure import Procedure, Refix
-from schemas.recording import Manifest, Mount, Recording, Segment, Stream
+from schemas.recording import MEASURED, Manifest, Mount, Recording, Segment, Stream
 from schemas.station import StationFile
 from schemas.unit_link import UnitLink
-from tasks.station.monitor import MEASURED, check_unit
+from tasks.station.monitor import check_unit
 from tasks.station.plan import PlannedSegment, mount_in
 
 GAP_INTERVALS = 1.5

@@ -16,7 +16,7 @@ import pandas as pd
 
 from schemas.calibration import TARGET_SHARE, Calibration, Check, Coverage, Item
 from schemas.recording import Recording
-from tasks.quality.yields import wilson
+from tasks.quality import wilson
 from tasks.uncertainty.monte_carlo import combine_as_example
 from tasks.validation import run1536, run2003
 from tasks.validation.record import G_SENSITIVITY, WITHOUT_EARTH, checked, clause_item

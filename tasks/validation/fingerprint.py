@@ -16,6 +16,7 @@ BESIDE = (
     "tasks.version",
     "tasks.words",
 )
+IMPORTS = (ast.Import, ast.ImportFrom)
 DOCUMENTED = (ast.Module, ast.ClassDef, ast.FunctionDef, ast.AsyncFunctionDef)
 
 
@@ -52,7 +53,8 @@ def text_digest(names: Sequence[str]) -> str:
 class Source:
     """A source file in one form, and the names of what it imports from `tasks`.
 
-    code: what it computes: no comments, docstrings, layout or sentences.
+    code: what it computes: no comments, docstrings, layout or sentences; what it imports stands
+    first, wherever a module is loaded.
     """
 
     code: str
@@ -66,8 +68,11 @@ def _read(path: Path) -> Source:
 
 def read_source(text: str) -> Source:
     """Reads a source file's text, parsed and walked once: parsing is what takes the time."""
-    tree, names = ast.parse(text), []
+    tree, names, imported = ast.parse(text), [], set[str]()
     for node in ast.walk(tree):
+        if isinstance(body := getattr(node, "body", None), list):
+            imported |= {ast.dump(each) for each in body if isinstance(each, IMPORTS)}
+            body[:] = [each for each in body if not isinstance(each, IMPORTS)]
         if isinstance(node, DOCUMENTED):
             if node.body and ast.get_docstring(node, clean=False) is not None:
                 node.body = node.body[1:]
@@ -78,7 +83,8 @@ def read_source(text: str) -> Source:
             names += [alias.name for alias in node.names]
         elif isinstance(node, ast.ImportFrom) and node.module:
             names += [node.module, *(f"{node.module}.{alias.name}" for alias in node.names)]
-    return Source(ast.dump(tree), tuple(name for name in names if name.startswith("tasks.")))
+    code = "\n".join((*sorted(imported), ast.dump(tree)))
+    return Source(code, tuple(name for name in names if name.startswith("tasks.")))
 
 
 def sources(method: str) -> list[Path]:

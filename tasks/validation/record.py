@@ -102,7 +102,6 @@ def is_current(record: ValidationRecord) -> bool:
 
 
 def _is_of_this_code(record: ValidationRecord, method: Method) -> bool:
-    """Whether what a method computes is what it was when the record was made."""
     return is_of_this_text(record, method) or (
         record.methods[method].fingerprint == fingerprint(method)
     )

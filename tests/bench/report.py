@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from tasks.rendering.chart import AFTER, BEFORE, INK, PALE, draw
+from tasks.rendering import AFTER, BEFORE, INK, PALE, draw
 from tasks.version import code_version
 from tests.bench.measure import Section
 

@@ -20,6 +20,7 @@ import pytest
 import typer.main
 
 from flows import cli, execute
+from flows.on_prefect.server import OWN_SERVER
 from schemas.orders import CalibrateOrder
 from storage.catalogue import runs
 from storage.home import Home
@@ -83,7 +84,7 @@ def prefect_server(prefect_database, tmp_path_factory) -> Iterator[str]:
             [sys.executable, "-c", SERVE, str(listener.fileno())],
             pass_fds=[listener.fileno()], stdin=subprocess.DEVNULL,
             stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
-            env=os.environ | {"PREFECT_HOME": str(folder)},
+            env=os.environ | OWN_SERVER | {"PREFECT_HOME": str(folder)},
         )  # fmt: skip
     yield url
     server.terminate()

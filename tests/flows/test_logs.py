@@ -3,7 +3,6 @@
 import asyncio
 import json
 import logging
-from collections.abc import Iterator
 
 import pytest
 
@@ -11,15 +10,6 @@ from flows.logs import set_up
 from schemas.base import Unusable
 from tasks.stages.stage import logged, logger_of
 from tasks.station.connected_station import Bus, OnBus, StopSwitch, bus
-
-
-@pytest.fixture(autouse=True)
-def _as_before() -> Iterator[None]:
-    root = logging.getLogger("mimucal")
-    handlers, level = root.handlers[:], root.level
-    root.handlers = []
-    yield
-    root.handlers, root.level, root.propagate = handlers, level, True
 
 
 def test_beginning_and_end_of_a_stage_are_lines_of_json(monkeypatch, capsys):

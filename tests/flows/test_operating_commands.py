@@ -7,7 +7,7 @@ from pathlib import Path
 
 import pytest
 
-from flows.validate import run_validate
+from flows.store_commands import validate
 from schemas.base import Unusable
 from schemas.laboratory import variables
 from storage import retention
@@ -99,7 +99,7 @@ def test_a_small_study_leaves_the_record_of_the_home_alone(tmp_path, monkeypatch
     kept = tmp_path / "validation.json"
     kept.write_text("{}", encoding="utf-8")
     with pytest.raises(Unusable, match="--out"):
-        run_validate(MIN_UNITS - 1, 1, None, as_json=True)
+        validate(MIN_UNITS - 1, 1, None, as_json=True)
     assert kept.read_text(encoding="utf-8") == "{}"
 
 

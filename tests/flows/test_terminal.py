@@ -25,8 +25,8 @@ from tasks.calibrate.calibrate import calibrate
 from tasks.explain.progress import BEHIND, report_progress
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.station import procedures
+from tasks.station.acquisition import Progress
 from tasks.station.connected_station import OPERATOR, StopSwitch
-from tasks.station.progress import Progress
 
 # The person at the terminal, on a terminal of its own.
 

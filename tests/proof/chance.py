@@ -21,7 +21,7 @@ from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import UNNAMED, Explanation, Finding
 from tasks.model.terms.standard import STANDARD_TERMS
-from tasks.quality.yields import wilson
+from tasks.quality import wilson
 from tasks.readings.lattice import quantiser_of
 from tasks.version import code_version
 from tasks.words import say

@@ -18,8 +18,7 @@ from alembic.migration import MigrationContext
 from alembic.script import ScriptDirectory
 
 from schemas.base import Unusable
-from storage.backup.back_up import back_up
-from storage.backup.restore import is_needed, rehearse, restore, upgrade
+from storage.backup import back_up, is_needed, rehearse, restore, upgrade
 from storage.catalogue import certificates, database, dump, results, runs, tables
 from storage.formats.mcap.reader import read_mcap
 from storage.home import Home

@@ -128,9 +128,10 @@ def _clocks(sheet: Sheet, taken: set[int]) -> list[Column]:
     return [
         Column("t", place, name, "", PENALTY, "")
         for place, name in enumerate(sheet.names)
-        if place not in taken and not sheet.is_numeric(place)
+        if place not in taken
+        and not sheet.is_numeric(place)
         and sheet.text(place).str.contains(":").mean() > 0.5
-    ]  # fmt: skip
+    ]
 
 
 def _given(sheet: Sheet, channel: str, text: str) -> Column | None:

@@ -26,7 +26,7 @@ from schemas.recording import (
     Station,
     Stream,
     Unit,
-)  # fmt: skip
+)
 from schemas.text import Seen
 from storage.formats.convert import STANDARD_GRAVITY, Changes
 from storage.formats.logger import units
@@ -251,7 +251,8 @@ def _stream(sheet: Sheet, t: np.ndarray, values: Mapping[str, np.ndarray]) -> St
             made |= {c: np.full(len(t), np.nan) for c in triad if c not in made}
     stream = Stream(np.rint(t * 1e9) / 1e9, made)
     if (row := first(np.diff(stream.t) <= 0)) is not None:
-        raise _unusable(sheet, [f"line {sheet.lines[row + 1]} is less than a nanosecond after the "
-                                "one before"])  # fmt: skip
+        raise _unusable(
+            sheet, [f"line {sheet.lines[row + 1]} is less than a nanosecond after the one before"]
+        )
     check_stream(str(sheet.path), "imu", stream)
     return stream

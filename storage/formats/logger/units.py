@@ -237,11 +237,12 @@ def breaks_of(times: Times, moved_at: np.ndarray, begun_at: np.ndarray) -> tuple
     anew = times.kind == "number" and times.seconds[0] >= 0.0
     return tuple(
         ClockBreak(
-            row, float(steps[row - 1]),
+            row,
+            float(steps[row - 1]),
             row in begun_at or (anew and 0.0 <= times.seconds[row] < BEGUN),
         )
         for row in moved_at.tolist()
-    )  # fmt: skip
+    )
 
 
 def running_on(seconds: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

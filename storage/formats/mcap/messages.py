@@ -305,7 +305,7 @@ class Scalar:
         return np.array([float(f"{value:.15g}") for value in values / self.per_unit])
 
 
-ENVIRONMENT = (
+ENVIRONMENT_TOPICS = (
     Scalar("temperature", "/environment/temperature", TEMPERATURE, "temperature"),
     Scalar("humidity", "/environment/humidity", HUMIDITY, "relative_humidity", per_unit=0.01),
     Scalar("pressure", "/environment/pressure", PRESSURE, "fluid_pressure", per_unit=100.0),
@@ -352,7 +352,7 @@ def reference_messages(stream: Stream) -> Iterator[Messages]:
 
 def environment_messages(stream: Stream) -> Iterator[Messages]:
     """The environment stream: each column has its own topic."""
-    for scalar in ENVIRONMENT:
+    for scalar in ENVIRONMENT_TOPICS:
         if scalar.column in stream.columns:
             values = scalar.to_ros(stream.columns[scalar.column])[:, None]
             texts = {} if scalar.kind == NUMBER else {"frame_id": ("environment",)}

@@ -21,7 +21,7 @@ from storage.formats.manifest import MAX_TIME_S, check_columns, check_stream, ma
 from storage.formats.mcap.chunks import MAX_CHUNK_BYTES, Batch, Contents, scan
 from storage.formats.mcap.messages import (
     ANGLE_TOPIC,
-    ENVIRONMENT,
+    ENVIRONMENT_TOPICS,
     FIELDS,
     IMU,
     JOINTS,
@@ -481,7 +481,7 @@ def _our_streams(file: Bag, imu: Topic, salvage: bool) -> dict[str, Timed]:
         timed["reference"] = pose.stamps, pose_columns(pose.numbers)
     air = [
         (topic.stamps, {scalar.column: scalar.from_ros(topic.numbers[scalar.field][0])})
-        for scalar in ENVIRONMENT
+        for scalar in ENVIRONMENT_TOPICS
         if scalar.topic in file
         for topic in [file.topic(scalar.topic)]
     ]

@@ -188,6 +188,8 @@ QUANTISATION_FALSE_ALARM = 1e-4 / 6
 class Quantisation(Event):
     """quantisers: of each channel with visible steps. noises: σ before rounding, of each."""
 
+    linear = False
+
     quantisers: tuple[Quantiser, ...]
     noises: tuple[float, ...]
 

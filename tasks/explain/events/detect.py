@@ -12,6 +12,7 @@ from scipy.stats import norm
 
 from schemas.discrepancy import FoundParameter
 from schemas.recording import AXES
+from tasks.explain.events.bursts import find_bursts, find_settling
 from tasks.explain.events.codes import (
     CodeFault,
     cut_off,
@@ -150,13 +151,13 @@ def _zone(
 
 
 def events_in_residual(
-    events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion
+    events: Events, residual: np.ndarray, noise: np.ndarray, motion: Motion, start: float = 0.0
 ) -> Events:
-    """The events found before a regression, and lines in its residual.
+    """The events found before a regression, and lines and bursts in its residual.
 
     residual: (n, 6) readings minus `events.applied` to the prediction of the fitted model, NaN
     where that is unknown. noise: (6,) standard deviation of a sample, for channels whose residual
-    does not scatter. motion: at the same rows.
+    does not scatter. motion: at the same rows. start: of t = 0 on the recording's own clock, s.
     These events add to what the unit senses, so they act before all others. Poses do not show how
     a body vibrates: fast components of the residual need not be errors, unless they have the mains'
     frequency throughout.
@@ -166,10 +167,15 @@ def events_in_residual(
     level = np.where(level == 0, noise, level)
     for event in events.events:
         t, level = event.sampled_at(t), event.noise_floor(level)
-    lines = find_lines(Residual.of(t, values, level, motion))
+    left = Residual.of(t, values, level, motion)
+    lines = find_lines(left)
     if motion.tracking is not None:
-        lines = tuple(line for line in lines if line.effect in EVENTS)
-    return replace(events, events=(*lines, *events.events))
+        mains = tuple(line for line in lines if line.effect in EVENTS)
+        return Events((*mains, *events.events), events.masked, events.remarks)
+    nonlinear = tuple(c for event in events.events if not event.linear for c in event.channels)
+    bursts = find_bursts(left.without(*lines).without_channels(nonlinear), start)
+    transients = () if bursts is None else (bursts,)
+    return Events((*lines, *transients, *events.events), events.masked, events.remarks)
 
 
 def find_spikes(
@@ -217,60 +223,6 @@ def _steady(rate: np.ndarray) -> np.ndarray:
     change = np.abs(rate[2 * CORNER :] - rate[: -2 * CORNER]).max(axis=1, initial=0.0)
     moving[CORNER:-CORNER] = ~(change < STEADY)
     return ~maximum_filter1d(moving, 2 * CORNER + 1, mode="constant")
-
-
-# Readings that settle as a recording begins, or are torn as it ends.
-#
-# Loggers begin with an empty row and filters with empty memories: a few readings far from all
-# others, which a fit of everything else would be bent by. They are sought beside the prediction
-# of a fit without the ends, so that they need not be alone to stand out.
-
-LONGEST, LONGEST_SHARE = 2.0, 0.02  # s, and of the recording: an end that is longer is no end
-ORDINARY = 0.999  # of the other residuals are smaller
-BEYOND = 3.0  # times that: an end that stands out
-
-
-def find_settling(readings: np.ndarray, motion: Motion) -> tuple[np.ndarray, tuple[Message, ...]]:
-    """Which readings (n, 6) bool at the ends say nothing, and remarks on them.
-
-    readings: (n, 6) rad/s and m/s². An end is twice as long as readings of one channel stand out,
-    and of all: a filter's go on settling when they no longer do, or follow a motion that begins.
-    """
-    count, length = len(readings), 0
-    if motion.interval > 0.0:
-        length = int(min(LONGEST / motion.interval, LONGEST_SHARE * count))
-    masked = np.zeros(readings.shape, bool)
-    if not length:
-        return masked, ()
-    ends = np.zeros(readings.shape, bool)
-    ends[:length] = ends[-length:] = True
-    residual = np.abs(readings - plain_prediction(readings, motion, ends))
-    remarks: list[Message] = []
-    for rows, name in ((slice(0, length), "start"), (slice(-1, -length - 1, -1), "end")):
-        settled = _settled_after(residual[rows], residual[length:-length])
-        if not settled.any():
-            continue
-        masked[rows] |= np.arange(length)[:, None] < 2 * settled.max()
-        channels = channel_names(tuple(np.flatnonzero(settled).tolist()))
-        seconds = f"{2.0 * settled.max() * motion.interval:.3g}"
-        remarks.append(message(f"events-settling-{name}", channels=channels, seconds=seconds))
-    return masked, tuple(remarks)
-
-
-def _settled_after(end: np.ndarray, others: np.ndarray) -> np.ndarray:
-    """(6,) number of rows from the outermost in which a channel's residual stands out.
-
-    end: (rows, 6) sizes, the outermost first; others: (n, 6). None where the end itself is not
-    known, and none where it stands out as far as it is looked at.
-    """
-    settled = np.zeros(end.shape[1], int)
-    for channel, sizes in enumerate(others.T):
-        known = sizes[np.isfinite(sizes)]
-        usual = float(np.quantile(known, ORDINARY)) if len(known) else 0.0
-        far = end[:, channel] > BEYOND * usual
-        if usual and far[0]:
-            settled[channel] = np.flatnonzero(far)[-1] + 1
-    return np.where(2 * settled <= len(end), settled, 0)
 
 
 # Faults of logger and firmware that last from the first row to the last: wrong settings and

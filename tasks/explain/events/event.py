@@ -4,7 +4,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import Self
+from typing import ClassVar, Self
 
 import numpy as np
 from scipy.fft import next_fast_len, rfft
@@ -13,7 +13,7 @@ from schemas.discrepancy import FoundParameter
 from schemas.recording import ACCEL, GYRO
 from tasks.explain.explanation import EVERY, TRIADS
 from tasks.model.fit import plain_prediction
-from tasks.motion.samples import in_blocks
+from tasks.motion.samples import in_blocks, interpolated
 from tasks.motion.whole import Motion
 from tasks.words import Argument, Message, Sayable, message
 
@@ -26,10 +26,13 @@ TRIAD_NAMES = (message("triad-gyro"), message("triad-accel"))
 class Event:
     """An artefact of the readings. A subclass says how it changes them.
 
-    effect: its catalogue name, or `unnamed`. channels: 0 to 5, those affected. p_value: corrected
-    for the number of hypotheses tested. indistinguishable: catalogue names that do the same to
-    these readings. title: where more is to be said than the catalogue's.
+    effect: its catalogue name, or `unnamed`. channels: 0 to 5, those affected.
+    p_value: corrected for the number of hypotheses tested. linear: a small signal passes
+    unchanged. indistinguishable: catalogue names that do the same to these readings. title: where
+    more is to be said than the catalogue's.
     """
+
+    linear: ClassVar[bool] = True
 
     effect: str
     channels: tuple[int, ...]
@@ -326,6 +329,18 @@ class Residual:
         """The residual minus a signal (n, 6)."""
         return replace(self, values=np.where(self.weight > 0, self.values - signal, 0.0))
 
+    def without(self, *events: Event) -> Self:
+        """The residual with events removed as well."""
+        left = self
+        for event in events:
+            left = left.minus(event.applied(self.t, np.zeros(self.values.shape)))
+        return left
+
+    def without_channels(self, channels: tuple[int, ...]) -> Self:
+        """The same, with some channels not known."""
+        kept = ~np.isin(np.arange(self.values.shape[1]), channels)
+        return replace(self, values=self.values * kept, weight=self.weight * kept)
+
 
 @dataclass(frozen=True)
 class Spectrum:
@@ -405,6 +420,12 @@ RATE_CLASSES = np.array(
 MIN_BLOCKS = 3  # that the noise of a class of rates is estimated from
 DEAD = 1e-10  # rad/s, m/s²: less scatter is the rounding of sums
 
+REST, ROTATION, RATE_CHANGE = range(3)
+STEADY = 0.02  # rad/s: how far the rate may move within a second where it counts as steady
+SETTLING = 5.0  # s after a change of rate that still count to it
+MIN_VALUES = 12  # that the level of a state is estimated from
+MAX_MEDIAN_ROWS = 200  # evenly spread
+
 
 def noise_by_rate(residual: np.ndarray, motion: Motion) -> np.ndarray:
     """Standard deviation (n, 6) of a sample at each row's rate: vibration grows with the rate.
@@ -449,3 +470,48 @@ def _interpolated_noise(scatter: np.ndarray, speeds: np.ndarray, speed: np.ndarr
         return np.full(len(speed), np.median(scatter))
     at = [float(np.median(speeds[c])) for c in classes]
     return np.interp(np.nan_to_num(speed), at, [float(np.median(scatter[c])) for c in classes])
+
+
+def motion_states(motion: Motion, at: np.ndarray) -> np.ndarray:
+    """The state (m,) at times at (m,) s, rising. Unknown motion counts as a change of rate."""
+    rate = interpolated(at, motion.t, np.nan_to_num(motion.rate))
+    step = float(np.median(np.diff(at))) if len(at) > 1 else 1.0
+    half = max(1, round(0.5 / step))
+    padded = np.pad(rate, ((half, half), (0, 0)), mode="edge")
+    changes = np.abs(padded[2 * half :] - padded[: -2 * half]).max(axis=1) > STEADY
+    changes = changes | (np.interp(at, motion.t, motion.known.astype(float)) < 1)
+    changes = changes | (np.diff(at, prepend=-np.inf) > 1.5 * step)
+    latest = np.maximum.accumulate(np.where(changes, at, -np.inf))
+    steady = np.where(np.linalg.norm(rate, axis=1) > STEADY, ROTATION, REST)
+    return np.where(at - latest < SETTLING, RATE_CHANGE, steady)
+
+
+def median_by_state(power: np.ndarray, state: np.ndarray) -> np.ndarray:
+    """The median (m, k) of power (m, k) over each motion state; infinite in a short one."""
+    level = np.ones(power.shape, power.dtype)
+    for number in np.unique(state):
+        rows = state == number
+        level[rows] = _median(power[rows]) if rows.sum() >= MIN_VALUES else np.inf
+    return level
+
+
+def equalised(power: np.ndarray, state: np.ndarray, min_rows: int) -> np.ndarray:
+    """Power (m, k), divided down where one interval is louder than its motion state as a whole.
+
+    An interval lies between two changes of state. One of fewer than `min_rows` rows stays as it
+    is: the transient that is looked for may fill it.
+    """
+    usual = {number: _median(power[state == number]) for number in np.unique(state)}
+    even = power.copy()
+    edges = np.flatnonzero(np.diff(state)) + 1
+    for start, stop in zip(np.append(0, edges), np.append(edges, len(state)), strict=True):
+        if stop - start >= min_rows:
+            own, among = _median(power[start:stop]), usual[state[start]]
+            louder = np.divide(own, among, out=np.ones_like(own), where=among > 0)
+            even[start:stop] /= np.maximum(louder, 1.0)
+    return even
+
+
+def _median(power: np.ndarray) -> np.ndarray:
+    """The median (k,) of power (m, k), over evenly spread rows where there are many."""
+    return np.asarray(np.median(power[:: len(power) // MAX_MEDIAN_ROWS + 1], axis=0))

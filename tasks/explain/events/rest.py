@@ -261,6 +261,8 @@ class DeadZone(Event):
     channels whose larger readings are reduced by the threshold.
     """
 
+    linear = False
+
     thresholds: dict[int, float]
     noise: dict[int, float]
     less: frozenset[int] = frozenset()

@@ -42,6 +42,8 @@ MAX_CODES = 20  # below the limit, that the pile is compared with
 class Saturation(Event):
     """limits: size of each, by channel and side (1.0 above, −1.0 below). noise: (6,) near them."""
 
+    linear = False
+
     limits: Mapping[tuple[int, float], float]
     noise: np.ndarray
 

@@ -253,6 +253,24 @@ class Combination:
             gains.append(0.0 if stepped.negative.any() else float(change[free[rows]] @ right[rows]))
         return gains
 
+    def chi2_with_share_of(self, other: Form, share: float) -> float:
+        """Chi-squared where the members make so much less, or more, as another effect makes up
+        for it; infinite where it does not.
+        """
+        longer = self._with(other)
+        places = [longer.places[one.term.key] for one in self.members]
+        own = longer.places[other[0].term.key]
+        for sign in (1.0, -1.0):  # another may only ever add to a delay
+            values, free = longer.values.copy(), longer.free.copy()
+            for place in places:
+                values[place] *= 1.0 - sign * share
+                free[place] = False
+            moved = replace(longer, values=values, free=free)
+            moved = fitted(moved, self.fit.blocks, self.fit.noises)
+            if moved.values[own].any():
+                return chi2_of(moved, self.fit)
+        return np.inf
+
     def with_filter(self, more: float) -> "Combination":
         """A delay and filters whose time constants are greater by so much (s), and held there."""
         model, fit = self.fit.model, self.fit
@@ -419,6 +437,7 @@ def keys_of(members: Form) -> set[object]:
 
 # Compares delays and filters in their real form.
 
+SHARE = 0.1  # of an effect: what another could have made of it belongs to the finding
 NEAR = 0.9  # of the largest linear gain: what gains less does not come near in its real form
 FILTER = 3e-3  # s, a time constant that filters have: 53 Hz
 Prune = Callable[[FittedSelection, Collection[str]], FittedSelection]
@@ -508,6 +527,9 @@ class _Delays:
             limit = best.chi2 + DISTINGUISHABLE * self._linear.dispersion
             if best.with_filter(FILTER).chi2 < limit:
                 names += [("bandwidth",), ("time_offset",)]
+        elif len(names_of(best.members)) == 1:
+            first = {form[0].name: form for form in reversed(self.forms)}
+            names += [(name,) for name, form in first.items() if self._hidden_in(form, best)]
         group = group_names(best.members, names)
         return marked(best, group)
 
@@ -575,6 +597,16 @@ class _Delays:
                 len(one.own) for one in form
             ):
                 yield (*alone.members, *form)
+
+    def _hidden_in(self, form: Form, best: Combination) -> bool:
+        """Whether, as far as the data show, another effect may account for a share of the best."""
+        if form[0].name in names_of(best.members):
+            return False
+        missed = self._linear.gain(best.members) - self._linear.gain(form)
+        limit = DISTINGUISHABLE * self._linear.dispersion
+        if not self._delay_was_taken_back and SHARE**2 * missed > 2.0 * limit:
+            return False
+        return best.chi2_with_share_of(form, SHARE) - best.chi2 < limit
 
     def _fitted(self, members: Form) -> Combination:
         if members is self.present and not self._delay_was_taken_back:

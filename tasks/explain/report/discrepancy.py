@@ -37,7 +37,7 @@ from tasks.explain.report.verdict import verdict_statement
 from tasks.explain.search.stepwise import FALSE_ALARMS
 from tasks.model.term import next_step, separating_recording
 from tasks.readings.robust import TO_SIGMA
-from tasks.rendering.chart import AFTER, BEFORE, draw, picture_file, time_axis
+from tasks.rendering import AFTER, BEFORE, draw, picture_file, time_axis
 from tasks.version import code_version
 from tasks.words import LANGUAGES, Sayable, message, say, statement
 from tasks.words.numbers import power_of_ten

@@ -18,8 +18,17 @@ from tasks.explain.report import statements
 from tasks.explain.report.discrepancy import ExcessCells, before_after_svg, cells_of
 from tasks.explain.report.statements import capital, short_channel_title
 from tasks.explain.report.verdict import detected, shares_svg, small_remainders, tested
-from tasks.rendering import inline_each, page
-from tasks.rendering.chart import FINDINGS, GREY, PALE, draw, picture_file, text_width, time_axis
+from tasks.rendering import (
+    FINDINGS,
+    GREY,
+    PALE,
+    draw,
+    inline_each,
+    page,
+    picture_file,
+    text_width,
+    time_axis,
+)
 from tasks.version import code_version
 from tasks.words import LANGUAGES, message, say
 from tasks.words.numbers import USUAL_K, chi2, percent, quantities

@@ -27,7 +27,7 @@ from tasks.explain.report.statements import (
     short_channel_title,
 )
 from tasks.model.term import LOGGER
-from tasks.rendering.chart import AFTER, BEFORE, FINDINGS, GREY, LETTER, draw, text_width
+from tasks.rendering import AFTER, BEFORE, FINDINGS, GREY, LETTER, draw, text_width
 from tasks.words import Message, Sayable, clauses, message, say, statement
 from tasks.words.numbers import chi2, percent, plain, probability
 

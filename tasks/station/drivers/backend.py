@@ -1,5 +1,6 @@
 """Reads and commands a described device, whatever its protocol."""
 
+import math
 import re
 import time
 from collections.abc import Mapping
@@ -96,10 +97,13 @@ def confirm(unit: Unit, link: UnitLink) -> str | None:
 def serial_of(link: UnitLink, query: SerialQuery) -> str:
     """What the unit answers; raises Unusable where it does not, or its line cannot be opened."""
     try:
-        with serial.serial_for_url(
-            link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
-        ) as port:
-            found = _answer(port, query)
+        with unit_port(link) as port:
+            pattern = rb"([\x21-\x29\x2b\x2d-\x7e ]{1,%d})[,*\r\n]" % LONGEST
+            found = asked(
+                port, (query.request + query.terminator).encode(),
+                re.compile(re.escape(query.answer.encode()) + pattern),
+                len(query.answer) + LONGEST + 1, ANSWER_S, ASK_EVERY_S,
+            )  # fmt: skip
     except (OSError, ValueError) as error:  # pyserial's own is an OSError
         raise Unusable(
             f"the unit's line {link.url} cannot be opened ({error}): check the cable and "
@@ -111,21 +115,28 @@ def serial_of(link: UnitLink, query: SerialQuery) -> str:
             f"answered with “{query.answer}” within {ANSWER_S:g} s; check its supply, the cable "
             "and unit_link.identify of the station file"
         )
-    return found
+    return found[1].decode("ascii").strip()
 
 
-def _answer(port: Any, query: SerialQuery) -> str | None:
-    """The serial number in the answer, among the frames that the unit continues to send."""
-    pattern = re.compile(
-        re.escape(query.answer.encode()) + rb"([\x21-\x29\x2b\x2d-\x7e ]{1,%d})[,*\r\n]" % LONGEST
-    )
-    longest = len(query.answer) + LONGEST + 1
-    received, end_s, ask_s = b"", time.monotonic() + ANSWER_S, 0.0
+def unit_port(link: UnitLink) -> Any:
+    """A unit's serial line or TCP connection; raises OSError or ValueError as pyserial does."""
+    return serial.serial_for_url(link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S)
+
+
+def asked(
+    port: Any, line: bytes, answer: re.Pattern[bytes], longest: int, within_s: float,
+    again_s: float = math.inf,
+) -> re.Match[bytes] | None:  # fmt: skip
+    """The answer to a line, among the frames that the unit continues to send; None: there is none.
+
+    longest: bytes of an answer. within_s: wall time. again_s: after which the line is sent again.
+    """
+    received, end_s, ask_s = b"", time.monotonic() + within_s, 0.0
     while (now_s := time.monotonic()) < end_s:
         if now_s >= ask_s:
-            port.write((query.request + query.terminator).encode())
-            ask_s = now_s + ASK_EVERY_S
+            port.write(line)
+            ask_s = now_s + again_s
         received = received[-longest:] + port.read(READ_BYTES)
-        if found := pattern.search(received):
-            return found[1].decode("ascii").strip()
+        if found := answer.search(received):
+            return found
     return None

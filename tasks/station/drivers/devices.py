@@ -8,6 +8,7 @@ from typing import Any, TypeAlias
 from schemas.base import Unusable
 from schemas.described import Described, ModbusDevice, TextDevice
 from schemas.procedure import Refix
+from schemas.recording import ENVIRONMENT
 from schemas.station import (
     SET_TEMPERATURE,
     ChamberDevice,
@@ -28,7 +29,6 @@ from tasks.words import message
 
 POLL_S = 0.02
 TURN_TIMEOUT_S = 30.0  # wall time
-MEASURED = ("temperature", "humidity", "supply_voltage", "pressure")
 GROUP = "mimucal.{kind}s"  # of entry points: mimucal.tables, mimucal.chambers, mimucal.fixtures
 Link: TypeAlias = ModbusLink | TextLink
 
@@ -42,9 +42,9 @@ class DescribedChamber:
 
     async def climate(self) -> Climate:
         """Read the chamber once."""
-        names = frozenset((*MEASURED, "time")) & self.described.readings
+        names = frozenset((*ENVIRONMENT, "time")) & self.described.readings
         values = await self.backend.read(names)
-        measured = {name: float(values.get(name, float("nan"))) for name in MEASURED}
+        measured = {name: float(values.get(name, float("nan"))) for name in ENVIRONMENT}
         return Climate(float(values.get("time", float("nan"))), **measured)
 
     async def set_temperature(self, degc: float) -> None:

@@ -213,7 +213,7 @@ class Settling:
         self.kind, self.target, self._near_since_s = kind, target, None
 
     def is_settled(self, station_s: float, angle_deg: float, rate_deg_s: float) -> bool:
-        """By a reading at a station time."""
+        """Whether an axis has settled, by a reading at a station time."""
         if not self._is_near(angle_deg, rate_deg_s):
             self._near_since_s = None
             return False
@@ -275,7 +275,7 @@ class DescribedTable:
 
     @property
     def time_half_width_s(self) -> float:
-        """By how much an encoder sample's time may be wrong; 0 where the table captures them."""
+        """How far an encoder sample's time may be wrong, s; 0 where the table captures them."""
         return getattr(self._encoders, "time_half_width_s", 0.0)
 
     async def home(self) -> None:
@@ -353,9 +353,10 @@ class DescribedTable:
             return angles
         near = [
             each.target + (angle - each.target + turn / 2) % turn - turn / 2
-            if each.kind == "angle" else angle
+            if each.kind == "angle"
+            else angle
             for each, angle in zip(self._settling, angles, strict=True)
-        ]  # fmt: skip
+        ]
         return np.array(near)
 
     def _is_set(self, name: str, values: Mapping[str, Any], axis: int, of_axis: bool) -> bool:

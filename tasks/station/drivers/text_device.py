@@ -20,7 +20,8 @@ from tasks.words import message
 LOG = logging.getLogger("mimucal.station.connection")
 ATTEMPTS = 3
 MOST_BYTES = 4096  # of an answer
-NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"  # with one way to read each
+# of each number there is one way to read it: a damaged line must not be tried for ever
+NUMBER = r"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 PATTERNS = {"": NUMBER, "x": r"(?:0[xX])?[0-9a-fA-F]+", "w": r"[^\s,;]+", "t": r".*"}
 
 

@@ -12,10 +12,9 @@ from dataclasses import dataclass
 from functools import lru_cache, reduce
 from operator import xor
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Protocol
 
 import numpy as np
-import serial
 from pymodbus.framer import FramerRTU
 
 from schemas.base import Unusable
@@ -32,15 +31,15 @@ from schemas.unit_link import (
     UnitLink,
 )
 from tasks.station.clock import wall_s
+from tasks.station.drivers.backend import READ_BYTES, READ_TIMEOUT_S, unit_port
 from tasks.station.drivers.modbus import host_and_port
+from tasks.station.drivers.text_device import NUMBER
 from tasks.station.ports import Line
 from tasks.words import message
 
 # The unit's line, read by a thread so that no byte is lost while the run is busy.
 
 LOG = logging.getLogger("mimucal.station.unit")
-READ_BYTES = 4096
-READ_TIMEOUT_S = 0.05
 
 
 class Source(Protocol):
@@ -118,9 +117,7 @@ class _Serial:
     """A serial line or a TCP connection, whatever pyserial opens."""
 
     def __init__(self, link: UnitLink) -> None:
-        self._port: Any = serial.serial_for_url(
-            link.url, baudrate=link.baudrate, timeout=READ_TIMEOUT_S
-        )
+        self._port = unit_port(link)
 
     def read(self, most: int) -> bytes:
         """What has come; a socket of pyserial does not tell how much that is."""
@@ -254,8 +251,6 @@ def filled(frame: AnyFrame, raw: dict[str, np.ndarray], n: int) -> np.ndarray:
 
 # Frames of the unit, binary or lines of text: found in a byte stream, checked and decoded.
 
-# of each number there is one way to read it: a damaged line must not be tried for ever
-NUMBER = rb"[-+]?(?:\d+(?:\.\d*)?|\.\d+)(?:[eE][-+]?\d+)?"
 MOST_BYTES = 4096  # of a line; what is longer is no line
 CHECK_DIGITS = {"xor8": 2, "crc16_xmodem": 4}
 
@@ -411,7 +406,7 @@ def _pattern(frame: TextFrame) -> re.Pattern[bytes]:
     blank = frame.separator == " "
     separator = b" +" if blank else b" *" + re.escape(frame.separator.encode()) + b" *"
     fields = separator.join(
-        re.escape(field.prefix.encode()) + rb"(" + NUMBER + rb")" for field in frame.fields
+        re.escape(field.prefix.encode()) + rb"(" + NUMBER.encode() + rb")" for field in frame.fields
     )
     check = b""
     if frame.check != "none":

@@ -103,7 +103,7 @@ CHAMBER_REGISTERS = (
     _register("pressure", 6, "float32", "hPa", "air pressure"),
     _register("station_time", 8, "uint64", "us", "when these were measured"),
     _register("target", 12, "float32", "degC", "where the air goes", writable=True),
-)  # fmt: skip
+)
 
 FIXTURE_REGISTERS = (
     _register("qw", 0, "float32", "1", "attitude of the fixture on the payload, as quaternion",
@@ -140,7 +140,7 @@ class Frame(Frozen):
 
     @property
     def format(self) -> str:
-        """For the module struct."""
+        """The format of the frame for the module struct."""
         return "<HIQ" + "".join(f"3{code}" for _, code in self.triads) + "hH"
 
     @property
@@ -415,7 +415,6 @@ def _unit(truth: UnitTruth, mount: Mount, url: str) -> dict[str, Any]:
 
 
 def _describe(design: TableDesign, table: dict[str, Any]) -> None:
-    """What the description of a table says of this design."""
     axes, degrees = len(design.axes), 360.0 / design.counts_per_turn
     table["expect"] |= {"axes": axes, "counts_per_turn": design.counts_per_turn}
     table["expect"]["capture_period"] = design.capture_ms * 1000
@@ -426,7 +425,6 @@ def _describe(design: TableDesign, table: dict[str, Any]) -> None:
 
 
 def _frame(unit: UnitTruth) -> dict[str, Any]:
-    """The description of the frame that a unit sends."""
     frame = FRAMES[unit.frame]
     sizes = {"gyro": unit.gyro.lsb, "accel": unit.accel.lsb, "angle": unit.angle_lsb}
     types = {"i": "int32", "q": "int64"}

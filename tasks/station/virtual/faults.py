@@ -161,7 +161,7 @@ class EncoderErrors:
     is_frozen: bool = False
 
     def holding(self, held: np.ndarray) -> Callable[[np.ndarray], np.ndarray]:
-        """From the angles (…, axes) to those shown; held: (axes,) rad, where they froze."""
+        """Makes the angles (…, axes) those that are shown; held: (axes,) rad, where they froze."""
         rng = np.random.default_rng(1)
 
         def shown(angles: np.ndarray) -> np.ndarray:
@@ -311,7 +311,7 @@ class StationFault:
 
     @classmethod
     def parse(cls, text: str) -> Self:
-        """From "NAME" or "NAME@SECONDS".
+        """Reads "NAME" or "NAME@SECONDS".
 
         Raises Unusable where the name is not in FAULTS or the seconds are no time.
         """

@@ -332,7 +332,7 @@ class Controller:
         self._never = asyncio.Event()
 
     def devices(self) -> list[SimDevice]:
-        """For pymodbus's server."""
+        """The devices as pymodbus's server takes them."""
         return [
             self._served(TABLE_DEVICE, self._table),
             self._served(CHAMBER_DEVICE, ChamberRegisters(self._simulation)),

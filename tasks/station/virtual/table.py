@@ -11,6 +11,7 @@ from schemas.laboratory import ChamberLimits
 from schemas.recording import Mount
 from tasks.station.virtual.config import (
     AXIS_STATUS,
+    DEGREE,
     FIXTURE_STATUS,
     MODES,
     STEP_S,
@@ -57,7 +58,7 @@ def _chain(
 
 
 def to_rate(t: float, angle: float, rate: float, target: float, limit: float) -> Profile:
-    """From angle and rate at t to the target rate (rad/s) with the acceleration limit."""
+    """Goes from angle and rate at t to the target rate (rad/s) with the acceleration limit."""
     ramp = (abs(target - rate) / limit, float(np.copysign(limit, target - rate)))
     return _chain(t, angle, rate, (ramp,), target)
 
@@ -84,7 +85,6 @@ def to_angle(
     return _chain(t, angle, rate, pieces, 0.0)
 
 
-DEGREE = np.pi / 180.0
 SETTLED_AFTER_S = 0.5
 ANGLE_TOLERANCE = 2.0 / 3600.0 * DEGREE
 RATE_TOLERANCE = 1e-4  # of the rate, and of 1 °/s below it
@@ -353,7 +353,7 @@ class VirtualChamber:
         self.target = degc
 
     def degc(self, now_s: float) -> float:
-        """Of the air at a station time (s)."""
+        """The temperature of the air at a station time (s)."""
         way = self._rate * (now_s - self._since_s)
         return self._from + min(max(self.target - self._from, -way), way)
 

@@ -36,6 +36,11 @@ events-spikes-in-rotation = { events-spikes }, only while the table turns
 events-folded-mains = spectral line at { $line } Hz, where sampling folds mains of { $frequency } Hz
 events-mains = mains pick-up at { $frequency } Hz, visible at { $lines }, in the { $channels }
 events-line = a continuous spectral line at { $frequency } Hz in the { $channels }
+events-bursts =
+    { $count ->
+        [one] 1 burst at { $frequency } Hz, decaying in { $decay } s, in the { $channels }, at { $times } s
+       *[other] { $count } bursts at { $frequency } Hz, decaying in { $decay } s, in the { $channels }, at { $times } s
+    }
 events-range = the { $sensors } read { $factor } times the true value: { $cause }
 events-range-counts = wrong counts per unit, or a wrong range setting
 events-range-power-of-two = a range setting wrong by a power of two

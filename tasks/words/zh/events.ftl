@@ -30,6 +30,7 @@ events-spikes-in-rotation = { events-spikes }，仅在转台转动时出现
 events-folded-mains = { $line } Hz 谱线，工频 { $frequency } Hz 经采样混叠于此
 events-mains = 工频干扰 { $frequency } Hz，出现在 { $lines }，通道：{ $channels }
 events-line = { $frequency } Hz 处有一条始终存在的谱线，通道：{ $channels }
+events-bursts = { $count } 次 { $frequency } Hz 的突发振荡，衰减时间 { $decay } s，通道：{ $channels }，时刻 { $times } s
 events-range = { $sensors }的读数是应有值的 { $factor } 倍：{ $cause }
 events-range-counts = 每单位计数或量程设置错误
 events-range-power-of-two = 量程设置相差 2 的整数次幂

@@ -118,14 +118,16 @@ def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_mi
         wait_for(lambda s=station: not flow_runs(f"produce/{s}", *UNFINISHED), LONG_S)
     home = Home(line.home)
     for station in STATIONS:
-        runs = [run for run in flow_runs(f"produce/{station}", *TERMINAL) if run["auto_scheduled"]]
-        times = [datetime.fromisoformat(run["expected_start_time"]) for run in runs]
+        ended_ones = [
+            run for run in flow_runs(f"produce/{station}", *TERMINAL) if run["auto_scheduled"]
+        ]
+        times = [datetime.fromisoformat(run["expected_start_time"]) for run in ended_ones]
         assert len(times) >= 5
         minutes = {later - earlier for earlier, later in pairwise(times)}
         assert minutes == {timedelta(minutes=1)}  # none twice, none missing
-        done = [run for run in runs if run["state_type"] == "COMPLETED"]
-        late = [run for run in runs if run["state_type"] == "CANCELLED"]
-        assert len(done) + len(late) == len(runs)
+        done = [run for run in ended_ones if run["state_type"] == "COMPLETED"]
+        late = [run for run in ended_ones if run["state_type"] == "CANCELLED"]
+        assert len(done) + len(late) == len(ended_ones)
         assert all("a newer run" in run["state"]["message"] for run in late)
         stored = [run for run in runs.all_runs(home) if run.station == station]
         assert len(stored) == len(done)
@@ -136,6 +138,7 @@ def test_ten_runs_that_nobody_ordered_end_in_a_draft_each_none_twice_and_none_mi
 
 def test_a_server_that_is_killed_and_comes_back_costs_neither_recording_nor_draft(line, client):
     before = {run.id for run in runs.all_runs(Home(line.home))}
+    left = set((line.home / "acquiring").rglob("*.mcap"))  # of runs that others stopped
     run = begin(line, client, "S-1")
     line.kill_server()
     stored = wait_for(
@@ -145,7 +148,18 @@ def test_a_server_that_is_killed_and_comes_back_costs_neither_recording_nor_draf
     settled(client, run)
     assert state_of(client, run) == "Completed"
     assert len(stored) == 1
-    assert not list((line.home / "acquiring").rglob("*.mcap"))
+    assert set((line.home / "acquiring").rglob("*.mcap")) <= left
+
+
+def test_a_worker_that_is_killed_stops_the_table_and_the_recording_is_kept(line, client):
+    run = begin(line, client, "S-2")
+    os.kill(line.workers[1].pid, signal.SIGKILL)
+    ((status, is_dead),) = wait_for(lambda: stopped(line, "S-2"), LONG_S)
+    assert not is_dead
+    assert "stopped by the loss of its Prefect worker; recorded so far" in status.cause
+    assert settled(client, run)
+    assert state_of(client, run) in ("Failed", "Crashed")
+    line.work("station-S-2")
 
 
 def stopped(line: PrefectLine, station: str) -> list:

@@ -29,8 +29,7 @@ from schemas.orders import OrderRequest, ProduceOrder, ProductionOrder
 from schemas.recording import Unit
 from storage.catalogue import audit_trail, orders
 from storage.home import Home
-from storage.order_lock import one_order_at, only_worker_of
-from storage.stations import one_run_on
+from storage.stations import one_order_at, one_run_on, only_worker_of
 from tasks.words import message
 from tests.flows.order_homes import add_station, no_workers
 

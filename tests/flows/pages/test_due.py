@@ -10,7 +10,7 @@ from flows.pages.due import DueQuestion, DueShown, data, due_state
 from schemas.base import Unusable
 from storage.catalogue import certificates, equipment
 from storage.home import Home
-from tasks.reminders.send import pause
+from tasks.reminders import pause
 from tasks.stages.remind import due_units
 from tests.proof.line import Line
 

@@ -5,7 +5,7 @@ from typing import Any
 import plotly.graph_objects as go
 import pytest
 
-from flows.pages import due, quality, signals, unit
+from flows.pages import due, quality, run, unit
 from flows.pages.parts import Page, Theme, View, seen_by
 from storage.home import Home
 from tests.flows.pages.laid_out import components
@@ -81,10 +81,10 @@ def test_what_falls_due_is_a_bar_for_each_month(home: Home) -> None:
 def test_signals_are_a_band_of_bins_or_the_line_of_every_row(
     home: Home, bins: int, lines: int
 ) -> None:
-    question = signals.PAGE.question.model_validate(
+    question = run.SIGNALS_PAGE.question.model_validate(
         {"run": next(iter(recorded_runs(home))), "bins": bins}
     )
-    shown = signals.data(question, home)
-    figure = go.Figure(seen_by(View(), signals._figure, shown))
+    shown = run.signal_data(question, home)
+    figure = go.Figure(seen_by(View(), run._signal_figure, shown))
     assert len(figure.data) == lines
     assert _points(figure) == lines * len(shown.t) > 0

@@ -21,7 +21,7 @@ from schemas.base import Unusable
 from storage import dataframes
 from storage.catalogue import certificates, results, runs, users
 from storage.home import Home
-from tasks.quality.charts import FEWEST
+from tasks.quality import FEWEST
 from tests.drafts import DECIDED, UNDECIDED, draft
 from tests.proof.line import Line
 

@@ -11,9 +11,9 @@ from plotly.utils import PlotlyJSONEncoder
 from flows.pages.app import make_app
 from flows.pages.parts import View, seen_by
 from flows.pages.run import lineage
+from flows.pages.run import signal_data as signals
 from flows.pages.run_data import RunQuestion, RunShown, SignalsQuestion, data
 from flows.pages.shell import page_at
-from flows.pages.signals import data as signals
 from schemas.base import Unusable
 from storage.catalogue import results, runs
 from storage.catalogue.runs import find

@@ -535,6 +535,7 @@ def claims_of(recordings: Recordings) -> list[Claim]:
         _as_many_as_rests(recordings),
         _walk(recordings, BY_HAND, (3, 4, 5), "accelerometers", "加速度计"),
         _walk(recordings, BY_HAND, (0, 1, 2), "gyros", "陀螺"),
+        _bursts(recordings),
         _products(recordings),
         _stepper(recordings),
         _jump(recordings),
@@ -598,6 +599,28 @@ def _walk(recordings: Recordings, name: str, channels: tuple[int, ...], en: str,
             CHANNELS[c] in each["channels"]
             for each in findings(answer, "bias_random_walk")
             for c in channels
+        ),
+    )
+
+
+def _bursts(recordings: Recordings) -> Claim:
+    recording, shown = recordings[SECOND], []
+    for rest in rests(recording):
+        _, values = readings(recording, rest)
+        off = np.abs(values[:, 3:] - np.median(values[:, 3:], axis=0)).max(axis=1)
+        shown.append((float(off[:50].max()), float(off[-50:].max())))
+    truth: Truth = "true" if sum(max(pair) > MOVED for pair in shown) > 1 else "false"
+    words = ", ".join(f"{a:.2f}/{b:.2f}" for a, b in shown)
+    return Claim(
+        SECOND,
+        "four bursts that fade, at 505, 867, 1240 and 1301 s",
+        truth,
+        (
+            f"largest deviation in the first/last second of each rest, m/s²: {words}; only z up "
+            "was handled while labelled as a rest"
+        ),
+        lambda answer: any(
+            parameter(each, "decay") is not None for each in findings(answer, "unnamed")
         ),
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from tasks.rendering.chart import GREY, INK, PALE, draw
+from tasks.rendering import GREY, INK, PALE, draw
 from tests.proof.study import table
 from tests.proof.trial.parameters import power
 from tests.proof.trial.score import Cost, Rate, Row, Score, by_effect, rows_of, totals_of

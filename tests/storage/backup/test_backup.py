@@ -10,9 +10,8 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from storage.backup import back_up as backing_up
-from storage.backup.back_up import Objects, back_up
-from storage.backup.restore import restore
+from storage import backup as backing_up
+from storage.backup import Objects, back_up, restore
 from storage.catalogue import audit_trail, database, runs, tables
 from storage.catalogue.dump import lines, snapshot, tables_of
 from storage.home import RESTORING, Home
@@ -122,7 +121,7 @@ def test_what_is_missing_from_the_home_is_named(fresh, filled, backups):
 BACK_UP = """
 import sys, time
 from pathlib import Path
-from storage.backup.back_up import back_up
+from storage.backup import back_up
 from storage.home import Home
 def slow(done, of):
     print(done, flush=True)

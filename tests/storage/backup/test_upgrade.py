@@ -8,9 +8,8 @@ import pytest
 import sqlalchemy as sql
 
 from schemas.base import Unusable
-from storage.backup import restore as upgrading
-from storage.backup.back_up import Objects, back_up
-from storage.backup.restore import back, confirm, is_needed, rehearse, restore, upgrade
+from storage import backup as upgrading
+from storage.backup import Objects, back, back_up, confirm, is_needed, rehearse, restore, upgrade
 from storage.catalogue import database, dump, runs
 from storage.home import Home
 from storage.stations import one_run_on, write_status

@@ -11,7 +11,7 @@ from schemas.certificate import Order
 from schemas.orders import ProductionOrder
 from schemas.recording import Unit
 from storage.catalogue import audit_trail, orders, runs
-from storage.order_lock import only_worker_of
+from storage.stations import only_worker_of
 from tests.storage.small import small
 
 NOW = datetime(2026, 11, 27, 8, tzinfo=UTC)

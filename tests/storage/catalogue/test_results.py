@@ -164,7 +164,7 @@ def test_a_reminder_asked_for_at_once_on_postgresql_is_sent_by_one(
     script = """
 from datetime import UTC, datetime
 from storage.catalogue import equipment as reminders
-from tasks.reminders.send import pause
+from tasks.reminders import pause
 print(reminders.claim(home, ("A-1", -30, "mail"), datetime(2027, 1, 1, tzinfo=UTC), pause))
 """
     claims = at_once(script, shared_catalogue, processes=4)

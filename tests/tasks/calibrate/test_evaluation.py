@@ -16,6 +16,7 @@ from tasks.segments.rates import rate_by_command
 from tasks.specifications.register import specification_for
 from tasks.uncertainty.budget import combine, observed
 from tasks.uncertainty.monte_carlo import acquisition
+from tests.manifests import at_station, described
 from tests.tasks.items_only import items_only
 
 # Every element of both specifications has a budget; a laboratory may choose how it is made.
@@ -33,13 +34,6 @@ def calibrated(recording: Recording, **how) -> Calibration:
     return items_only(specification, recording, evaluation)
 
 
-def restated(recording: Recording, **manifest) -> Recording:
-    """The recording with other fields in its manifest."""
-    changed = recording.manifest.model_copy(update=manifest)
-    return Recording(changed, recording.imu, recording.table, environment=recording.environment,
-                     digest=recording.digest)  # fmt: skip
-
-
 def budgets(calibration: Calibration) -> dict[str, Budget]:
     return {
         f"{name}.{element}": budget
@@ -53,8 +47,8 @@ def calibrations(ideal_run, ahrs_noise, plant) -> dict[str, Calibration]:
     recordings = {
         "ideal": ideal_run(noise=1e-4),
         "ahrs": ahrs_noise,
-        "plant_clean": plant("plant_clean"),
-        "ahrs_clean": restated(plant("ahrs_clean"), table_time=HOLDS),
+        "plant_clean": plant("plant_clean", 4),
+        "ahrs_clean": described(plant("ahrs_clean"), table_time=HOLDS),
     }
     return {name: calibrated(recording) for name, recording in recordings.items()}
 
@@ -62,9 +56,7 @@ def calibrations(ideal_run, ahrs_noise, plant) -> dict[str, Calibration]:
 @pytest.fixture(scope="module")
 def ahrs_noise(plant) -> Recording:
     """An AHRS whose recording tells no latitude."""
-    recording = plant("ahrs_clean")
-    station = recording.manifest.station.model_copy(update={"latitude_deg": None})
-    return restated(recording, station=station, table_time=HOLDS)
+    return described(at_station(plant("ahrs_clean"), latitude_deg=None), table_time=HOLDS)
 
 
 def test_every_element_with_a_value_has_a_budget_that_gives_its_u(calibrations):
@@ -97,7 +89,7 @@ def test_gtc_agrees_on_every_budget_of_a_calibration(calibrations):
 
 
 def test_few_degrees_of_freedom_enlarge_the_coverage_factor_of_the_whole_item(real):
-    recording = restated(real("vn200_imu0_rate_table"), table_time=HOLDS)
+    recording = described(real("vn200_imu0_rate_table"), table_time=HOLDS)
     item = calibrated(recording).items["gyro_scale_factor"]
     fewest = min(budget.dof for budget in item.budgets.values())
     assert fewest < 3
@@ -128,7 +120,7 @@ def test_scatter_beyond_the_noise_has_the_degrees_of_freedom_of_the_residuals(re
 
 def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertainty(plant):
     limit = EquipmentLimit(half_width=0.1, distribution="rectangular", source="a map")
-    recording = plant("plant_clean")
+    recording = plant("plant_clean", 4)
     item = calibrated(recording, own={"latitude": limit}).items["gyro_g_sensitivity"]
     phi = np.radians(recording.manifest.station.latitude_deg)
     line = np.degrees(EARTH_RATE * np.cos(phi) * 0.1 / np.sqrt(3.0))
@@ -140,7 +132,7 @@ def test_the_value_without_earth_rotation_has_the_latitude_in_its_own_uncertaint
 
 
 def test_a_recording_of_no_specification_counts_no_table_and_says_so(ideal_run):
-    calibration = calibrated(restated(ideal_run(), standard="other"))
+    calibration = calibrated(described(ideal_run(), standard="other"))
     (remark,) = [r for r in calibration.remarks if r.code == "equipment_unknown"]
     assert remark.blocks_pass
     symbols = {line.symbol for b in budgets(calibration).values() for line in b.inputs}
@@ -184,7 +176,7 @@ SUMMED = {  # item: how many positions the appendix adds up, and what each count
 
 @pytest.fixture(scope="module")
 def as_the_example(plant) -> Calibration:
-    return calibrated(plant("plant_clean"), kind=EXAMPLE)
+    return calibrated(plant("plant_clean", 4), kind=EXAMPLE)
 
 
 @pytest.mark.parametrize("item", SUMMED)
@@ -209,7 +201,8 @@ def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_r
     plain = calibrated(recording, kind=EXAMPLE)
     assert plain.settings["effective bits"] == "12 (the example's)"
     unit = recording.manifest.unit
-    fine = restated(recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": 16}))
+    finer = type(unit).model_validate({**dict(unit), "effective_bits": 16})
+    fine = described(recording, unit=finer)
     calibration = calibrated(fine, kind=EXAMPLE)
     assert calibration.settings["effective bits"] == "16 (the unit's)"
     assert calibration.items["gyro_bias"].budgets["x"].inputs[1].u == acquisition(16)
@@ -219,7 +212,7 @@ def test_as_the_example_the_unit_s_own_bits_are_used_where_they_are_told(ideal_r
 def test_bits_that_are_no_number_of_bits_are_refused(ideal_run, bits):
     recording = ideal_run()
     unit = recording.manifest.unit
-    wrong = restated(
+    wrong = described(
         recording, unit=type(unit).model_validate({**dict(unit), "effective_bits": bits})
     )
     with pytest.raises(Unusable, match="effective_bits"):
@@ -248,8 +241,8 @@ def test_as_the_example_an_element_without_repeatability_has_no_uncertainty(real
 
 @pytest.mark.parametrize("method", ["jjf2003", "joint"])
 def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(plant, method):
-    recording = plant("plant_clean")
-    polled = restated(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
+    recording = plant("plant_clean", 4)
+    polled = described(recording, table_time={"encoder": "polled", "half_width_s": 0.01})
     evaluation = evaluation_for(polled)
     specification = specification_for("other", method)
     item = items_only(specification, polled, evaluation).items["gyro_scale_factor"]
@@ -261,12 +254,12 @@ def test_what_is_known_of_a_polled_encoders_time_is_in_the_budget_of_the_rates(p
 
 @pytest.mark.parametrize("method", ["jjf2003", "joint"])
 def test_a_commanded_rate_that_is_known_better_is_the_reference_with_its_own_limit(plant, method):
-    recording, specification = plant("plant_clean"), specification_for("other", method)
+    recording, specification = plant("plant_clean", 4), specification_for("other", method)
 
     def item(half_width_s: float, within: float) -> Item:
         bound = {"half_width": within, "distribution": "rectangular"}
         table_time = {"half_width_s": half_width_s, "commanded_rate": bound}
-        polled = restated(recording, table_time=table_time)
+        polled = described(recording, table_time=table_time)
         return items_only(specification, polled, evaluation_for(polled)).items["gyro_scale_factor"]
 
     (better, worse), clean = (item(0.05, 2e-5), item(1e-5, 1e-3)), item(0.0, 2e-5)
@@ -280,10 +273,10 @@ def test_a_commanded_rate_that_is_known_better_is_the_reference_with_its_own_lim
 
 
 def test_a_commanded_rate_that_the_angles_contradict_is_none(plant):
-    recording = plant("plant_clean")
+    recording = plant("plant_clean", 4)
     bound = {"half_width": 2e-5, "distribution": "rectangular"}
     for half_width_s, is_believed in ((0.05, True), (1e-3, False)):
-        polled = restated(
+        polled = described(
             recording, table_time={"half_width_s": half_width_s, "commanded_rate": bound}
         )
         segment = next(s for s in recording.manifest.segments or () if s.kind == "rate")
@@ -295,7 +288,7 @@ def test_a_commanded_rate_that_the_angles_contradict_is_none(plant):
 @pytest.mark.parametrize("stated", ["polled", {}, {"half_width_s": -1.0}, {"half_width_s": "0.1"}])
 def test_a_polled_encoders_time_that_is_none_is_refused(plant, stated):
     with pytest.raises(Unusable, match=r"table_time\.half_width_s is"):
-        evaluation_for(restated(plant("plant_clean"), table_time=stated))
+        evaluation_for(described(plant("plant_clean", 4), table_time=stated))
 
 
 # One coverage factor for the elements of an item.

@@ -86,19 +86,6 @@ def test_every_value_and_its_uncertainty_of_a_simulated_run_follow_from_the_file
     check_reproduced(tmp_path, result, evidence)
 
 
-@pytest.mark.parametrize(
-    ("method", "name"),
-    [("jjf2003", "plant_earth_rotation"), ("joint", "plant_earth_rotation"),
-     ("jjf1536", "ahrs_clean")],
-)  # fmt: skip
-def test_every_value_and_its_uncertainty_of_a_shared_recording_follow_from_the_file_alone(
-    method, name, plant, tmp_path
-):
-    result, evidence = made(method, plant(name))
-    assert len(evidence.model_dump_json()) < MOST_BYTES
-    check_reproduced(tmp_path, result, evidence)
-
-
 def test_points_that_scatter_and_fits_that_are_not_linear_are_told(real, tmp_path):
     recording = real("vn200_imu0_rate_table")
     holds = {"commanded_rate": {"half_width": 1e-5, "distribution": "rectangular"}}
@@ -114,12 +101,13 @@ def test_points_that_scatter_and_fits_that_are_not_linear_are_told(real, tmp_pat
 
 @pytest.fixture(scope="module")
 def earth(plant) -> tuple[Calibration, EvidenceFile]:
-    return made("jjf2003", plant("plant_earth_rotation"))
+    return made("jjf2003", plant("plant_earth_rotation", 4))
 
 
 def test_the_script_computes_what_it_prints(earth, tmp_path):
     """A mean that is moved moves each value by its weight, a larger prior its line alone."""
-    _, evidence = earth
+    result, evidence = earth
+    check_reproduced(tmp_path, result, evidence)
     before, document = table(tmp_path, evidence), evidence.model_dump(mode="json")
     document["channels"][0]["means"][3] += 1.0
     (gravity,) = (each for each in document["sources"] if each["symbol"] == "g")
@@ -211,7 +199,7 @@ def test_the_script_says_in_a_sentence_what_is_no_evidence_file(content, sentenc
 
 def test_a_result_of_another_day_or_way_has_no_evidence_file(earth, plant):
     result, _ = earth
-    recording = plant("plant_earth_rotation")
+    recording = plant("plant_earth_rotation", 4)
     specification, evaluation = specification_for("JJF 2003-2022", None), evaluation_for(recording)
     bias = result.items["gyro_bias"]
     moved = bias.model_copy(update={"value": bias.value | {"y": 0.3}})

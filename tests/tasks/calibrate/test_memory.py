@@ -20,6 +20,6 @@ def taken(rows: int) -> int:
     return most
 
 
-def test_more_rows_take_less_than_a_copy_of_one_more_column() -> None:
+def test_more_rows_take_less_than_a_copy_of_one_more_column():
     short, long = map(taken, ROWS)
     assert long - short < 0.8 * 8 * (ROWS[1] - ROWS[0])

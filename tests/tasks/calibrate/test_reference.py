@@ -75,10 +75,14 @@ def on_wrong_table(
 
 @pytest.fixture(scope="module")
 def simulated() -> tuple[Recording, np.ndarray]:
-    """A run on an exact table with encoders, and the true scale factors of its unit."""
-    unit = draw_simulated_unit(4, run2003.RATE_HZ, ideal=True)
+    """A run on an exact table with encoders, every third row of it, and the true scale factors of
+    its unit.
+    """
+    unit, kept = draw_simulated_unit(4, run2003.RATE_HZ, ideal=True), slice(None, None, 3)
     recording, _ = run2003.record(unit)
-    return recording, np.array(unit.unit.gyro.scale)
+    assert recording.table is not None
+    thinned = replace(recording, imu=recording.imu.at(kept), table=recording.table.at(kept))
+    return thinned, np.array(unit.unit.gyro.scale)
 
 
 @pytest.mark.parametrize("specification", [JJF2003, JOINT], ids=["clauses", "joint"])

@@ -7,9 +7,9 @@ import pytest
 
 from schemas.certificate import Certificate
 from tasks.calibrate.calibrate import calibrate
+from tasks.certificate.figures import curves_of_run
 from tasks.certificate.pdf import render
 from tasks.conformity import decide
-from tasks.curves import curves_of_run
 from tasks.specifications.register import BY_STANDARD
 from tests.tasks.certificate.sample_certificate import certificate
 

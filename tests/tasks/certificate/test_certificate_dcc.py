@@ -19,9 +19,9 @@ from lxml import etree
 from schemas.certificate import Certificate, Contact, Replaced
 from schemas.recording import Recording
 from tasks.calibrate.calibrate import calibrate
+from tasks.certificate.figures import curves_of_run
 from tasks.certificate.pdf import CertificateFiles, faces_of
 from tasks.conformity import decide
-from tasks.curves import curves_of_run
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.certificate.sample_certificate import (

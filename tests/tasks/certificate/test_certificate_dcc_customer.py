@@ -15,8 +15,8 @@ from lxml import etree
 from schemas.laboratory import ErrorBound
 from tasks.calibrate.calibrate import calibrate
 from tasks.certificate.dcc import dcc_of
+from tasks.certificate.figures import curves_of_run
 from tasks.conformity import decide
-from tasks.curves import curves_of_run
 from tasks.specifications.register import BY_STANDARD
 from tests.tasks.certificate.sample_certificate import certificate, laboratory
 

@@ -17,7 +17,7 @@ from schemas.text import Remark
 from schemas.tolerance import Capability, Limit
 from tasks.certificate.content import Content
 from tasks.certificate.dcc import dcc_of
-from tasks.certificate.pdf import faces_of, record_of
+from tasks.certificate.pdf import faces_of, record_bytes
 from tasks.conformity import as_stated, decide
 from tasks.specifications.estimate import ITEMS, item_title
 from tasks.words import Message, say
@@ -299,7 +299,7 @@ BIAS = Capability(item="gyro_bias", unit="deg/s", U=4.2e-3)  # evaluated: 3.42e-
 def made(*capabilities: Capability, **more: Any) -> Certificate:
     of = laboratory(accreditation="CNAS L1234", capabilities=capabilities)
     result = calibration()
-    decision = decide(as_stated(result, capabilities), tolerance())
+    decision = decide(as_stated(result, of), tolerance())
     return certificate(result, decision, laboratory=of, **more)
 
 
@@ -333,7 +333,7 @@ def test_u_decided_and_printed_everywhere_is_the_capability_and_the_result_keeps
     decided = {each.U for each in paper.decision.limits if each.item == "gyro_bias"}
     assert decided == {4.2e-3}
     assert paper.calibration.items["gyro_bias"].U["x"] == 2 * 1.71e-4
-    assert b'"U":{"x":0.000342' in record_of(paper).replace(b" ", b"").replace(b"\n", b"")
+    assert b'"U":{"x":0.000342' in record_bytes(paper).replace(b" ", b"").replace(b"\n", b"")
     assert "the evaluated U is smaller, and the capability is stated" in texts(printed)
 
 

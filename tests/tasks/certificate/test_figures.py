@@ -14,9 +14,8 @@ from schemas.certificate import Certificate
 from schemas.recording import Curve
 from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.certificate.budgets import Figure, budgets, figure
-from tasks.certificate.figures import _power, drawn
+from tasks.certificate.figures import _power, drawn, history_curves
 from tasks.certificate.pdf import render
-from tasks.curves import history
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.certificate.sample_certificate import (
     calibration,
@@ -68,7 +67,7 @@ def test_the_history_has_earlier_certificates_of_the_method_in_order_and_ends_at
         issued_on(date(2025, 1, 1), "M-J", 0.9, method="joint"),
         issued_on(date(2026, 12, 1), "M-LATER", 0.9),
     ]
-    found = {(c.quantity, c.axis): c for c in history(issued_on(DAY, "M-3", 0.4), earlier)}
+    found = {(c.quantity, c.axis): c for c in history_curves(issued_on(DAY, "M-3", 0.4), earlier)}
     bias = found["gyro_bias", "x"]
     assert bias.labels == ("M-1", "M-2")
     assert bias.x == (-730.0, -365.0, 0.0)
@@ -81,8 +80,8 @@ def test_the_history_has_earlier_certificates_of_the_method_in_order_and_ends_at
 
 
 def test_a_unit_without_earlier_certificates_or_day_has_no_history():
-    assert list(history(certificate(), [])) == []
-    assert list(history(certificate(calibrated_on=None), [certificate()])) == []
+    assert list(history_curves(certificate(), [])) == []
+    assert list(history_curves(certificate(calibrated_on=None), [certificate()])) == []
 
 
 def test_every_figure_has_title_and_caption_in_both_languages_and_what_is_absent_is_left_out():

@@ -11,8 +11,8 @@ from schemas.recording import Segment
 from schemas.text import Remark
 from schemas.tolerance import Limit, ProductionPrior, Tolerance
 from tasks.certificate.content import Content
-from tasks.certificate.remarks import alike
 from tasks.certificate.results import Group, sections
+from tasks.certificate.statements import alike
 from tasks.conformity import decide
 from tasks.conformity.limits import probability_text
 from tasks.run_validity.remark import run_remark

@@ -73,7 +73,7 @@ def test_a_reading_without_what_it_is_corrected_by_is_null(recording, calibratio
 
 def test_earths_rotation_is_left_in_the_corrected_rate(plant):
     """Eq. (7) counts it as g-sensitivity; a corrected gyro at rest reads it."""
-    recording = plant("plant_earth_rotation")
+    recording = plant("plant_earth_rotation", 4)
     calibration = items_only(JJF2003, recording)
     known, _, _ = coefficients(calibration)
     item = calibration.items["gyro_g_sensitivity"]

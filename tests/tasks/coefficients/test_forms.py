@@ -8,6 +8,7 @@ import subprocess
 import numpy as np
 import pytest
 import yaml
+from yaml.events import AliasEvent
 
 from schemas.base import Unusable
 from schemas.calibration import Coefficient, Correction
@@ -16,7 +17,6 @@ from tasks.calibrate.calibrate import calibrate, evaluation_for
 from tasks.coefficients.correct import coefficients, correct
 from tasks.coefficients.exports import as_c, as_csv, as_kalibr, as_ros, as_yaml, document
 from tasks.specifications.jjf2003 import JJF2003
-from tests.tasks.coefficients import kalibr_reader, ros_reader
 from tests.tasks.items_only import items_only
 
 RNG = np.random.default_rng(9)
@@ -105,14 +105,22 @@ def test_formulas_of_the_document_give_its_example(correction):
     np.testing.assert_allclose(names["force"], correction.example.force, rtol=1e-13)
 
 
+def by_ros(correction: Correction) -> dict[str, list[float]]:
+    """The parameters of every node.
+
+    ROS takes lists of one type, none in another, and no aliases (ros2/rcl, rcl_yaml_param_parser,
+    src/parse.c). What YAML 1.1 reads as a float its strtod reads as one.
+    """
+    text = as_ros(correction)
+    assert not [event for event in yaml.parse(text) if isinstance(event, AliasEvent)]
+    return yaml.safe_load(text)["/**"]["ros__parameters"]["imu_correction"]
+
+
 def test_ros_file_gives_every_node_each_coefficient_by_ros_own_rules(correction):
-    nodes = ros_reader.read(as_ros(correction))
-    assert list(nodes) == ["/**"]
-    parameters = nodes["/**"]
-    assert parameters.pop("imu_correction.formulas") == list(correction.correction)
-    assert parameters.keys() == {f"imu_correction.{name}" for name in correction.coefficients}
-    for name in correction.coefficients:
-        values = parameters[f"imu_correction.{name}"]
+    parameters = by_ros(correction)
+    assert parameters.pop("formulas") == list(correction.correction)
+    assert parameters.keys() == correction.coefficients.keys()
+    for name, values in parameters.items():
         assert {type(value) for value in values} == {float}, name
         wanted = matrix(correction, name)
         np.testing.assert_array_equal(np.reshape(values, wanted.shape), wanted)
@@ -123,7 +131,7 @@ def test_ros_file_of_an_ideal_unit_is_still_of_floats(correction):
     """Zeros, ones and the smallest numbers are written so that no list mixes types."""
     plain = Coefficient(unit="1", value=((1.0, 0.0, -0.0), (1e-300, 1.0, 1e22), (0.0, 5e-7, 1.0)))
     ideal = correction.model_copy(update={"coefficients": {"K_g": plain}})
-    values = ros_reader.read(as_ros(ideal))["/**"]["imu_correction.K_g"]
+    values = by_ros(ideal)["K_g"]
     assert values == [number for row in plain.value for number in row]
     assert {type(value) for value in values} == {float}
 
@@ -151,16 +159,39 @@ def test_every_form_says_how_its_uncertainties_were_evaluated(recording, correct
     assert "gyro_scale_factor.x" in correction.covariance.elements
 
 
+KALIBR_STATISTICS = (
+    "accelerometer_noise_density", "accelerometer_random_walk",
+    "gyroscope_noise_density", "gyroscope_random_walk",
+)  # fmt: skip
+
+
 def test_kalibr_reads_the_file_and_its_model_gives_the_units_readings(
     calibration, correction, recording
 ):
-    text = as_kalibr(correction, calibration, recording)
-    assert yaml.safe_load(text)["update_rate"] == pytest.approx(100.0)
-    by_kalibr = kalibr_reader.read(text)
+    """As ethz-asl/kalibr takes a file (kalibr_common/ConfigReader.py) and what its
+    scale-misalignment model makes of it (kalibr_imu_camera_calibration/IccSensors.py).
+    """
+    stated = yaml.safe_load(as_kalibr(correction, calibration, recording))
+    assert (stated["model"], type(stated["rostopic"])) == ("scale-misalignment", str)
+    assert stated["update_rate"] == pytest.approx(100.0)
+    for name in KALIBR_STATISTICS:
+        assert isinstance(stated[name], float)  # text, as YAML 1.1 reads 1e-5, is none
+        assert stated[name] > 0.0
+    gyros, accels = stated["gyroscopes"], stated["accelerometers"]
+    to_body = np.array(stated["T_i_b"])
+    m_gyro, m_accel = np.array(gyros["M"]), np.array(accels["M"])
+    assert not np.triu([m_gyro, m_accel], 1).any()  # no design variables of kalibr's
+    assert to_body[3].tolist() == [0.0, 0.0, 0.0, 1.0]
+    turns = np.array(gyros["C_gyro_i"]), to_body[:3, :3]
+    for turn in turns:  # kalibr makes a quaternion of it
+        np.testing.assert_allclose(turn @ turn.T, np.eye(3), atol=1e-12)
+        assert np.linalg.det(turn) > 0.0
     rate, force = RNG.uniform(-5, 5, 3), RNG.uniform(-50, 50, 3)
-    gyro, accel = by_kalibr.reads(rate, force)
+    whole = turns[0] @ turns[1]
+    gyro = m_gyro @ whole @ rate + np.array(gyros["A"]) @ whole @ force
     ours = matrix(correction, "K_g") @ rate + matrix(correction, "G") @ force
     np.testing.assert_allclose(gyro, ours, rtol=1e-12)
+    accel = m_accel @ turns[1] @ force
     np.testing.assert_allclose(accel, matrix(correction, "K_a") @ force, rtol=1e-12)
 
 

@@ -61,7 +61,7 @@ def test_corrected_readings_of_simulated_units_lie_about_the_truth_as_their_u_sa
 
 @pytest.fixture(scope="module")
 def joint(plant) -> Calibration:
-    return items_only(JOINT, plant("plant_lever_arm"))
+    return items_only(JOINT, plant("plant_lever_arm", 4))
 
 
 def test_the_rms_is_that_of_the_rows_whatever_their_number(joint):

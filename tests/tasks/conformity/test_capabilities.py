@@ -184,7 +184,7 @@ def result(*rates: float) -> Calibration:
 
 
 def stated(*capabilities: Capability, rates: tuple[float, ...] = ()) -> dict[str, float | None]:
-    return as_stated(result(*rates), capabilities).items["gyro_bias"].U
+    return as_stated(result(*rates), laboratory(*capabilities)).items["gyro_bias"].U
 
 
 def test_the_larger_of_u_and_capability_is_stated():
@@ -218,7 +218,7 @@ def test_a_decision_is_by_the_stated_u():
         update={"rule": "guard_band", "guard_band_factor": 1.0}
     )
     assert decide(result(), limits).verdict == "pass"
-    decision = decide(as_stated(result(), [capability(0.03)]), limits)
+    decision = decide(as_stated(result(), laboratory(capability(0.03))), limits)
     of = {limit.element: limit for limit in decision.limits}
     assert (of["z"].U, of["z"].verdict) == (0.03, "fail")
     assert of["x"].accept_upper == pytest.approx(0.02)

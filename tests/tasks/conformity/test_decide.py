@@ -68,10 +68,6 @@ def test_one_element_outside_fails_and_is_named_in_both_languages():
     )
 
 
-def test_a_value_on_its_limit_is_accepted():
-    assert verdict_of({"x": 0.05, "y": -0.05, "z": 0.0}) == "pass"
-
-
 def test_an_upper_limit_alone_leaves_the_bottom_open():
     assert verdict_of({"x": -9.0, "y": 0.0, "z": 0.0}, lower=None) == "pass"
     assert verdict_of({"x": 0.06, "y": 0.0, "z": 0.0}, lower=None) == "fail"
@@ -85,13 +81,6 @@ def test_a_missing_or_non_finite_element_is_inconclusive(missing):
     assert decision.verdict == "inconclusive"
     assert decision.limits[2].value is None
     assert decision.reasons == ("Gyro bias (z) not determined: no cause stated",)
-
-
-def test_a_value_without_uncertainty_is_inconclusive():
-    bare = item(BIAS).model_copy(update={"U": BIAS | {"x": None}})
-    assert decide(calibration({"gyro_bias": bare}), tolerance(bias_limit())).verdict == (
-        "inconclusive"
-    )
 
 
 def test_an_unavailable_item_is_inconclusive_with_its_reason():
@@ -447,12 +436,6 @@ def test_global_risks_are_those_of_the_bivariate_normal(limits):
     conform = stats.norm(0.3, 0.6).cdf(limits[1]) - stats.norm(0.3, 0.6).cdf(limits[0])
     assert risks.consumer == pytest.approx(accepted_in_all - inside, abs=1e-5)
     assert risks.producer == pytest.approx(conform - inside, abs=1e-5)
-
-
-def test_a_small_risk_does_not_drown_in_rounding():
-    risk = probability_of_nonconformity(0.0, 1.0, (-math.inf, 12.0))
-    assert risk == pytest.approx(1.776e-33, rel=1e-3)
-    assert probability_of_conformity(0.0, 1.0, (12.0, math.inf)) == pytest.approx(risk)
 
 
 @given(REAL, SMALL, REAL, SMALL, st.floats(1, 50) | st.just(math.inf))

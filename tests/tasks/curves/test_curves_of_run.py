@@ -8,7 +8,7 @@ import pytest
 from schemas.calibration import AdoptedTerm, Calibration
 from schemas.recording import MAX_POINTS, Curve, Recording
 from tasks.calibrate.calibrate import calibrate
-from tasks.curves import curves_of_run, thinned
+from tasks.certificate.figures import curves_of_run, thinned
 from tasks.specifications.jjf2003 import JJF2003
 
 RATE_BUMP, FORCE_BUMP, SIGMA = 1e-3, 2e-3, 1e-4  # rad/s, m/s², rad/s of each reading

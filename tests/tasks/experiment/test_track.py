@@ -17,6 +17,9 @@ SPIN = RateRun(
     name="spin", item="i", axis="z", up="+z", spin_axis=0, angles_deg=(0, 0, 0),
     rates_deg_s=(200, -200), dwell_s=1.5,
 )  # fmt: skip
+ASLANT = RateRun(
+    name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
+)
 TURNS = Turns(
     name="turns", item="i", axis="z", up="+z", spin_axis=0, angles_deg=(0, 0, 0), turns=2,
     rate_deg_s=90,
@@ -58,10 +61,7 @@ def test_rests_are_at_their_angles_and_rates_at_their_rates_for_their_times():
 
 
 def test_a_rate_run_at_other_angles_begins_there_from_rest():
-    aslant = RateRun(
-        name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
-    )
-    _, found, (_, back, tilted) = angles(SPIN, aslant)
+    _, found, (_, back, tilted) = angles(SPIN, ASLANT)
     assert found[back, 1] == pytest.approx(0.0)
     assert found[tilted, 1] == pytest.approx(45.0)
     moving = np.abs(np.diff(found[:, 1])) > 1e-9
@@ -69,10 +69,7 @@ def test_a_rate_run_at_other_angles_begins_there_from_rest():
 
 
 def test_the_label_of_a_unit_held_aslant_names_the_axis_of_the_table():
-    aslant = RateRun(
-        name="aslant", item="i", spin_axis=0, angles_deg=(0, 45, 0), rates_deg_s=(200,), dwell_s=1.5
-    )
-    planned = planned_recording(procedure(SPIN, aslant), MANIFEST, HZ)
+    planned = planned_recording(procedure(SPIN, ASLANT), MANIFEST, HZ)
     straight, _, tilted = planned.manifest.segments or ()
     assert (straight.axis, straight.table_axis) == ("z", None)
     assert (tilted.axis, tilted.table_axis, tilted.up) == (None, 0, None)

@@ -3,13 +3,11 @@
 from dataclasses import replace
 
 import numpy as np
-import other_forms
 import pytest
-from scipy.signal import butter, lfilter
 from short_run import short_run
 
 from schemas.discrepancy import FoundParameter
-from schemas.recording import Recording, Stream
+from schemas.recording import Recording
 from storage.formats.folder import read_folder
 from tasks.explain.explain import explain
 from tasks.explain.explanation import Explanation
@@ -34,18 +32,18 @@ def parameters(explanation: Explanation, effect: str) -> dict[str, FoundParamete
     return {one.name: one for f in found for one in f.parameters}
 
 
-def test_a_clean_unit_on_a_body_moved_by_hand_has_no_effects() -> None:
+def test_a_clean_unit_on_a_body_moved_by_hand_has_no_effects():
     explanation = explain(recording(readings(seconds=40.0), poses(seconds=40.0)))
     assert [finding.effect for finding in explanation.findings] == []
 
 
-def test_a_clean_unit_whose_poses_have_no_positions_has_no_effects() -> None:
+def test_a_clean_unit_whose_poses_have_no_positions_has_no_effects():
     imu, reference = readings(moving=False, seconds=40.0), poses(places=False, seconds=40.0)
     explanation = explain(recording(imu, reference))
     assert [finding.effect for finding in explanation.findings] == []
 
 
-def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
+def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart():
     arm = (0.03, -0.02, 0.05)
     explanation = explain(recording(readings(arm=arm), poses(delay=-0.005)))
     found = parameters(explanation, "time_offset")
@@ -56,18 +54,7 @@ def test_a_delay_of_the_poses_and_a_lever_arm_are_told_apart() -> None:
     assert np.abs(off).max() < 3.0
 
 
-@pytest.mark.rehearsal  # of an encoder in test_low_pass
-def test_a_slow_filter_of_the_unit_is_not_called_a_delay_alone() -> None:
-    """Before poses a delay is nothing of the unit's for certain; a filter is as late."""
-    corner, imu, reference = 4.0, readings(seconds=32.0), poses(seconds=32.0)
-    coefficients = butter(2, corner, fs=200.0)
-    columns = {name: lfilter(*coefficients, column) for name, column in imu.columns.items()}
-    explanation = explain(recording(Stream(imu.t, columns), reference))
-    (late,) = (one for one in explanation.findings if one.effect == "time_offset")
-    assert set(late.group) == {"time_offset", "bandwidth"}
-
-
-def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
+def test_a_room_that_is_not_level_is_no_fault_of_the_unit():
     leaning = tilted(poses(seconds=32.0), np.radians(0.8))
     explanation = explain(recording(readings(seconds=32.0), leaning))
     names = {finding.effect for finding in explanation.findings}
@@ -75,7 +62,7 @@ def test_a_room_that_is_not_level_is_no_fault_of_the_unit() -> None:
 
 
 @pytest.mark.rehearsal
-def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_delay() -> None:
+def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_delay():
     whole = read_folder(shared_path("data/rough/broad_18"))
     broad = replace(whole, imu=whole.imu.at(whole.imu.rows(0.0, LONGEST)))
     explanation = explain(broad)
@@ -84,7 +71,7 @@ def test_a_body_moved_by_hand_is_explained_by_its_positions_and_half_a_frame_of_
     assert late == pytest.approx(0.00415, abs=6e-4)
 
 
-def test_half_a_minute_of_poses_that_tell_slow_motion_only_is_explained() -> None:
+def test_half_a_minute_of_poses_that_tell_slow_motion_only_is_explained():
     reference = poses(turn_noise=0.01, place_noise=0.01, seconds=32.0)
     explanation = explain(recording(readings(seconds=32.0), reference))
     assert explanation.verdict == "no_mismatch"
@@ -94,31 +81,9 @@ def test_half_a_minute_of_poses_that_tell_slow_motion_only_is_explained() -> Non
 
 SHORT = 5.0  # s
 # What a knock changes is told from the supply's course where it is seen for longer.
-DWELLS = {"knock": 10.0, "fading": SHORT}
-IN_A_REHEARSAL = (
-    ("hysteresis", "preisach_of_rate", 30.0), ("hysteresis", "play_of_force", 30.0),
-    ("bias_step", "knock", 10.0), ("bias_step", "gradual_step", 100.0),
-    ("vibration_rectification", "rectified", 30.0),
-    ("gyro_scale_nonlinearity", "dead_band", 30.0),
-    ("accel_nonlinearity", "wave_of_a_converter", 30.0), ("structural_compliance", "sag", 30.0),
-)  # fmt: skip
 
 
-@pytest.mark.parametrize(
-    ("effect", "form", "z"),
-    [
-        ("hysteresis", "fading", 10.0),
-        *(pytest.param(*one, marks=pytest.mark.rehearsal) for one in IN_A_REHEARSAL),
-    ],
-)
-def test_a_name_is_a_kind_of_physics_and_not_one_equation(effect: str, form: str, z: float) -> None:
-    run = short_run(3, DWELLS.get(form, 6.0))
-    signal = getattr(other_forms, form)(run, np.random.default_rng(3007))
-    answer = explain(run.with_signal(signal, z))
-    assert [finding.effect for finding in answer.findings][:1] == [effect]
-
-
-def test_a_short_run_without_any_of_them_is_clean() -> None:
+def test_a_short_run_without_any_of_them_is_clean():
     answer = explain(short_run(3, SHORT).recording)
     assert (answer.verdict, answer.findings) == ("no_mismatch", ())
     assert answer.p_value > 0.01

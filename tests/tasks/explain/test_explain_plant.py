@@ -166,7 +166,7 @@ def assert_known(name: str, effect: str, true: dict[str, float]) -> None:
 
 
 @pytest.mark.rehearsal
-def test_where_nothing_is_missing_nothing_is_said() -> None:
+def test_where_nothing_is_missing_nothing_is_said():
     answer = explained("plant_clean")
     assert answer.verdict == "no_mismatch"
     assert answer.findings == ()
@@ -188,7 +188,7 @@ def test_where_nothing_is_missing_nothing_is_said() -> None:
         ("plant_tilt_and_temperature", ["axis_tilt", "temperature_bias"]),
     ],
 )
-def test_the_missing_physics_is_named_and_nothing_else(name: str, named: list[str]) -> None:
+def test_the_missing_physics_is_named_and_nothing_else(name, named):
     assert effects(name) == named
     assert explained(name).verdict == "explained"
     assert explained(name).p_value < 1e-6
@@ -196,13 +196,13 @@ def test_the_missing_physics_is_named_and_nothing_else(name: str, named: list[st
 
 
 @pytest.mark.rehearsal
-def test_earth_turns_as_fast_as_at_this_latitude() -> None:
+def test_earth_turns_as_fast_as_at_this_latitude():
     vertical = np.degrees(EARTH * np.sin(np.radians(39.9))) * 3600.0
     assert_known("plant_earth_rotation", "earth_rotation", {"vertical_rate": vertical})
 
 
 @pytest.mark.rehearsal
-def test_earth_rotation_is_what_the_clause_reads_as_g_sensitivity_of_a_vertical_axis() -> None:
+def test_earth_rotation_is_what_the_clause_reads_as_g_sensitivity_of_a_vertical_axis():
     name = "plant_earth_rotation"
     (moved,) = consequences(recording(name), explained(name)).of_findings
     observed = {(each.item, each.element): each for each in moved}["gyro_g_sensitivity", "zz"]
@@ -213,17 +213,17 @@ def test_earth_rotation_is_what_the_clause_reads_as_g_sensitivity_of_a_vertical_
 
 
 @pytest.mark.rehearsal
-def test_the_arm_is_as_long_as_it_was_made() -> None:
+def test_the_arm_is_as_long_as_it_was_made():
     true = dict(zip(("r_x", "r_y", "r_z"), truth("plant_lever_arm")["lever_arm"]["r"], strict=True))
     assert_known("plant_lever_arm", "lever_arm", true)
 
 
 @pytest.mark.rehearsal
-def test_the_delay_is_as_long_as_it_was_made() -> None:
+def test_the_delay_is_as_long_as_it_was_made():
     assert_known("plant_time_offset", "time_offset", truth("plant_time_offset")["time_offset"])
 
 
-def test_tilt_and_temperature_coefficients_are_as_they_were_made() -> None:
+def test_tilt_and_temperature_coefficients_are_as_they_were_made():
     true, name = truth("plant_tilt_and_temperature"), "plant_tilt_and_temperature"
     assert_known(name, "axis_tilt", true["axis_tilt"])
     per_kelvin = true["temperature_bias"]["gyro"] + true["temperature_bias"]["accel"]
@@ -232,7 +232,7 @@ def test_tilt_and_temperature_coefficients_are_as_they_were_made() -> None:
 
 
 @pytest.mark.rehearsal
-def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows() -> None:
+def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows():
     answer = explained("plant_unlisted")
     assert answer.verdict == "unexplained"
     first = answer.findings[0]
@@ -264,7 +264,5 @@ def test_what_is_in_no_catalogue_is_unnamed_and_says_what_it_follows() -> None:
     ],
     ids=["earth_rotation", "lever_arm", "time_offset", "tilt_and_temperature", "unlisted"],
 )
-def test_the_gap_that_the_standard_model_leaves_is_closed(
-    name: str, effect: Callable[[Recording, dict], np.ndarray]
-) -> None:
+def test_the_gap_that_the_standard_model_leaves_is_closed(name, effect):
     assert closed(name, effect) >= CLOSED

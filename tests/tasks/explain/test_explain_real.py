@@ -1,6 +1,5 @@
 """`explain` on other people's hardware, where something is known of what was left out."""
 
-from collections.abc import Callable
 from dataclasses import replace
 from functools import cache
 
@@ -37,7 +36,7 @@ def named(name: str, *effects: str) -> list[Finding]:
     return [each for each in explained(name).findings if each.effect in effects]
 
 
-def test_a_ring_laser_unit_in_two_positions_sees_earth_turn() -> None:
+def test_a_ring_laser_unit_in_two_positions_sees_earth_turn():
     (earth,) = named("ln100_two_position", "earth_rotation")
     (vertical,) = earth.parameters
     assert (vertical.name, vertical.unit) == ("vertical_rate", "deg/h")
@@ -51,7 +50,7 @@ def test_a_ring_laser_unit_in_two_positions_sees_earth_turn() -> None:
 
 
 @pytest.mark.rehearsal
-def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it() -> None:
+def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it():
     answer = explained("vn200_57630_six_position")
     first, *others = answer.findings
     assert (first.effect, first.share) == ("axis_mapping", 0.0)
@@ -60,12 +59,12 @@ def test_a_wrong_mapping_is_no_share_of_the_mismatch_that_is_left_beside_it() ->
 
 
 @pytest.mark.rehearsal
-def test_a_mems_unit_in_two_positions_does_not_see_it() -> None:
+def test_a_mems_unit_in_two_positions_does_not_see_it():
     assert named("adi_mems_two_position", "earth_rotation") == []
 
 
 @pytest.mark.rehearsal
-def test_a_unit_with_a_low_pass_is_late_against_an_encoder() -> None:
+def test_a_unit_with_a_low_pass_is_late_against_an_encoder():
     """Its maker says 4.8 ms; the encoder's and the bus's delays are not known."""
     late = named("encoder_mpu6050_pitch_slow", *DELAYS)
     assert late
@@ -76,8 +75,8 @@ def test_a_unit_with_a_low_pass_is_late_against_an_encoder() -> None:
 
 
 def test_a_recording_that_tells_no_motion_is_refused_in_one_sentence(
-    real: Callable[[str], Recording],
-) -> None:
+    real,
+):
     with pytest.raises(Unusable) as refused:
         explain(real("xsens_multiposition"))
     text = str(refused.value)

@@ -13,13 +13,13 @@ from tasks.explain.noise import flicker_over_gaps
     "seed", [1, *(pytest.param(more, marks=pytest.mark.rehearsal) for more in (2, 3))]
 )
 @pytest.mark.parametrize("gap", [0.0, pytest.param(14.0, marks=pytest.mark.rehearsal), 40.0])
-def test_an_unstable_bias_is_noise_however_far_the_rests_lie_apart(seed: int, gap: float) -> None:
+def test_an_unstable_bias_is_noise_however_far_the_rests_lie_apart(seed, gap):
     made = recording_of(*labelled_rests(seed, 20.0, gap, turns=3, flicker=0.2))
     explanation = explain(made)
     assert (explanation.verdict, explanation.findings) == ("no_mismatch", ())
 
 
-def test_a_drift_between_rests_is_still_seen() -> None:
+def test_a_drift_between_rests_is_still_seen():
     """Far beyond what flicker does, and named by nothing that was recorded."""
     t, readings, segments = labelled_rests(4, 20.0, 14.0, turns=2, flicker=0.2)
     readings[:, 1] += SIGMA[1] * np.sin(2.0 * np.pi * t / 330.0)
@@ -29,7 +29,7 @@ def test_a_drift_between_rests_is_still_seen() -> None:
 
 
 @pytest.mark.parametrize("gap_ratio", [1.0, 2.0, 4.0])
-def test_means_of_flicker_differ_as_much_more_over_a_gap(gap_ratio: float) -> None:
+def test_means_of_flicker_differ_as_much_more_over_a_gap(gap_ratio):
     rng = np.random.default_rng(8)
     length, drifts = 256, 400
     distance = round(gap_ratio * length)

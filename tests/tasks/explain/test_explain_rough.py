@@ -35,7 +35,7 @@ def explained(name: str) -> Explanation:
     return explain(recording(name))
 
 
-def test_on_a_control_where_nothing_is_missing_there_is_no_mismatch() -> None:
+def test_on_a_control_where_nothing_is_missing_there_is_no_mismatch():
     """Twice the noise is left, and no more than noise of the poses may make."""
     answer = explained("tumvi_room4")
     assert [each.effect for each in answer.findings if each.effect != UNNAMED] == []
@@ -44,7 +44,7 @@ def test_on_a_control_where_nothing_is_missing_there_is_no_mismatch() -> None:
     assert (answer.left_over > 2.0).any()
 
 
-def test_on_the_tracked_control_hardly_anything_of_the_mismatch_is_explained() -> None:
+def test_on_the_tracked_control_hardly_anything_of_the_mismatch_is_explained():
     answer = explained("tumvi_room4")
     read = recording("tumvi_room4").imu.stack(ACCEL)
     before, after = (
@@ -55,7 +55,7 @@ def test_on_the_tracked_control_hardly_anything_of_the_mismatch_is_explained() -
     assert after > 0.97 * before
 
 
-def test_a_delay_is_known_as_far_as_its_parts_agree() -> None:
+def test_a_delay_is_known_as_far_as_its_parts_agree():
     """By fifths of the run the gyros are 11.20 to 11.34 ms late, each with u of 0.12 to 0.23 ms:
     11.28 ms on average with u of 0.08 ms.
     """
@@ -67,7 +67,7 @@ def test_a_delay_is_known_as_far_as_its_parts_agree() -> None:
 
 
 @pytest.mark.parametrize("name", ROUGH)
-def test_every_name_is_plausible_determined_and_gains(name: str) -> None:
+def test_every_name_is_plausible_determined_and_gains(name):
     run = recording(name)
     terms = {term.name: term for term in catalogue(run, whole_motion(run))}
     for each in explained(name).findings:
@@ -81,7 +81,7 @@ def test_every_name_is_plausible_determined_and_gains(name: str) -> None:
 
 
 @pytest.mark.rehearsal
-def test_what_has_no_name_is_called_by_what_it_follows() -> None:
+def test_what_has_no_name_is_called_by_what_it_follows():
     unnamed = [
         (name, say(each.title, "en"))
         for name in (*ROUGH, "openaxes_triangle250_radius")
@@ -96,7 +96,7 @@ def test_what_has_no_name_is_called_by_what_it_follows() -> None:
 
 
 @pytest.mark.rehearsal
-def test_a_rig_that_hums_and_a_late_clock_are_told_apart() -> None:
+def test_a_rig_that_hums_and_a_late_clock_are_told_apart():
     """By hand: a line of 134 deg/s at 9.595 Hz (demodulated), beside a delay of 12.1 to 12.2 ms
     (phase of the gyro against the encoder at each odd multiple of the motion's frequency).
     """
@@ -113,7 +113,7 @@ def test_a_rig_that_hums_and_a_late_clock_are_told_apart() -> None:
 
 
 @pytest.mark.rehearsal
-def test_what_a_periodic_motion_leaves_is_no_line_of_its_own() -> None:
+def test_what_a_periodic_motion_leaves_is_no_line_of_its_own():
     frequencies = [
         parameter.value
         for each in explained(HUMMING).findings

@@ -36,7 +36,7 @@ def drifting(w: float, b: float, seed: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("count", [200, 401, 40_000])
-def test_bands_hold_every_coefficient_once(count: int) -> None:
+def test_bands_hold_every_coefficient_once(count):
     bands: Bands = bands_of(count, RATE)
     assert bands.edges[0] == 0
     assert bands.edges[-1] >= count
@@ -45,7 +45,7 @@ def test_bands_hold_every_coefficient_once(count: int) -> None:
     assert bands.frequency[-1] <= RATE / 2
 
 
-def test_the_transform_keeps_the_power() -> None:
+def test_the_transform_keeps_the_power():
     series = drifting(1.0, 0.1, 3)
     assert (transformed(series[None]) ** 2).sum() == pytest.approx((series**2).sum())
 
@@ -53,7 +53,7 @@ def test_the_transform_keeps_the_power() -> None:
 @pytest.mark.parametrize(
     ("w", "b", "scatter"), [(1.0, 0.05, 0.3), (4e-8, 8e-9, 0.13), (1e-10, 2e-10, 0.08)]
 )
-def test_white_and_flicker_noise_are_recovered(w: float, b: float, scatter: float) -> None:
+def test_white_and_flicker_noise_are_recovered(w, b, scatter):
     """Scatter: what the bands between 6 mHz and the corner b/w leave of one run's b."""
     found = [estimated(drifting(w, b, seed)) for seed in range(8)]
     flickers = np.array([one.flicker for one in found])
@@ -62,7 +62,7 @@ def test_white_and_flicker_noise_are_recovered(w: float, b: float, scatter: floa
     assert flickers.std() < 1.5 * scatter * b
 
 
-def test_white_noise_alone_has_next_to_no_flicker() -> None:
+def test_white_noise_alone_has_next_to_no_flicker():
     for seed in range(10):
         one = estimated(drifting(1.0, 0.0, seed))
         assert one.white == pytest.approx(1.0, rel=0.05)
@@ -70,7 +70,7 @@ def test_white_noise_alone_has_next_to_no_flicker() -> None:
 
 
 @pytest.mark.parametrize("what", ["line", "step", "ramp"])
-def test_sparse_physics_does_not_pass_for_flicker(what: str) -> None:
+def test_sparse_physics_does_not_pass_for_flicker(what):
     """Each would gain chi-squared by the thousand; corners are tried 22 % apart."""
     t = np.arange(COUNT) / RATE
     series = {
@@ -86,7 +86,7 @@ def test_sparse_physics_does_not_pass_for_flicker(what: str) -> None:
         assert updated_noises.white == pytest.approx(without.white, rel=0.02)
 
 
-def test_the_noise_is_never_below_that_of_rounding() -> None:
+def test_the_noise_is_never_below_that_of_rounding():
     rest_variance = 1e-6 * drifting(1.0, 0.0, 0)
     floor = 1e-4
     found = estimated(rest_variance, floor)
@@ -94,14 +94,14 @@ def test_the_noise_is_never_below_that_of_rounding() -> None:
     assert estimated(np.zeros(COUNT)).white > 0  # something to divide by
 
 
-def test_noise_scales_with_the_square_of_the_readings() -> None:
+def test_noise_scales_with_the_square_of_the_readings():
     series = drifting(1.0, 0.05, 4)
     plain, larger = estimated(series), estimated(1e3 * series)
     assert larger.white == pytest.approx(1e6 * plain.white)
     assert larger.flicker == pytest.approx(1e6 * plain.flicker)
 
 
-def test_a_triad_tells_the_flicker_of_each_of_its_sensors_better() -> None:
+def test_a_triad_tells_the_flicker_of_each_of_its_sensors_better():
     alone, together = [], []
     for seed in range(8):
         lefts = [left(drifting(1.0, 0.01, 3 * seed + k)) for k in range(3)]
@@ -111,14 +111,14 @@ def test_a_triad_tells_the_flicker_of_each_of_its_sensors_better() -> None:
     assert np.mean(together) == pytest.approx(0.01, rel=0.4)
 
 
-def test_a_sensor_unlike_the_others_of_its_triad_keeps_its_own_flicker() -> None:
+def test_a_sensor_unlike_the_others_of_its_triad_keeps_its_own_flicker():
     lefts = [left(drifting(1.0, b, 5)) for b in (0.02, 0.02, 2.0)]
     found = [one.flicker for one in triad_noises(lefts, BANDS, [0.0] * 3)]
     assert found[2] == pytest.approx(2.0, rel=0.25)
     assert max(found[:2]) < 0.06
 
 
-def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
+def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise():
     """A fit that takes half of the power below 0.05 Hz, and says so, changes nothing."""
     whole = left(drifting(1.0, 0.05, 7))
     count = int(np.searchsorted(BANDS.frequency, 0.05))
@@ -133,7 +133,7 @@ def test_what_a_fit_took_from_a_band_is_not_taken_for_less_noise() -> None:
 
 
 @pytest.mark.parametrize("line", [3.0, RATE + 3.0])  # Hz; blocks fold what is faster than they are
-def test_at_a_line_nothing_is_compared_and_beside_it_all_is(line: float) -> None:
+def test_at_a_line_nothing_is_compared_and_beside_it_all_is(line):
     run = motion()
     blocks = replace(observed(np.zeros((len(run.t), 6)), run), lines=(line,))
     at, beside = (np.cos(2.0 * np.pi * frequency * run.t) for frequency in (3.0, 3.2))
@@ -144,7 +144,7 @@ def test_at_a_line_nothing_is_compared_and_beside_it_all_is(line: float) -> None
 
 
 @pytest.mark.parametrize("order", [2, 4])
-def test_noise_of_derivatives_is_recovered(order: int) -> None:
+def test_noise_of_derivatives_is_recovered(order):
     frequency = np.arange(COUNT) * RATE / 2 / COUNT
     rng = np.random.default_rng(order)
     rising = np.sqrt(1.0 + (frequency / 3.0) ** order) * rng.standard_normal((3, COUNT))
@@ -154,7 +154,7 @@ def test_noise_of_derivatives_is_recovered(order: int) -> None:
         assert found.white == pytest.approx(1.0, rel=0.2)
 
 
-def test_white_noise_rises_nowhere() -> None:
+def test_white_noise_rises_nowhere():
     lefts = [left(drifting(1.0, 0.0, seed)) for seed in range(3)]
     for found in triad_noises(lefts, BANDS, [0.0] * 3, 4):
         assert found.rise(BANDS.frequency[-1:])[0] < 1.1

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.quality.capability import capability, dof_within, sigma_within
+from tasks.quality import capability, dof_within, sigma_within
 
 
 @pytest.fixture

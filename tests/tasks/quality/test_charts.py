@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.quality.charts import FEWEST, HISTORY, RULES, drift, individuals, nelson, station_check
+from tasks.quality import FEWEST, HISTORY, RULES, drift, individuals, nelson, station_check
 
 # NIST/SEMATECH e-Handbook, 6.3.2.2: flow rates of ten batches
 FLOW = np.array([49.6, 47.6, 49.9, 51.3, 47.8, 51.2, 52.6, 52.4, 53.6, 52.1])

@@ -6,11 +6,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from tasks.quality.capability import consumed
-from tasks.quality.yields import (
+from tasks.quality import (
     FEWEST_IN_POINT,
     RETEST_DAYS,
     against_each_other,
+    consumed,
     first_runs,
     pooled,
     wilson,

@@ -41,7 +41,6 @@ class Unit:
     noise: tuple[float, float] = (0.05, 0.002)
     quick: float = 100.0
     top: float = 200.0
-    decimals: int | None = None
 
 
 UNITS = (
@@ -186,12 +185,11 @@ def made(
     labels = did.labels
     wrong = right.copy()
     for c in channels if fault else ():
-        wrong[:, c] = [fault(int(number)) for number in right[:, c]]  # type: ignore[misc]
+        numbers, rows = np.unique(right[:, c], return_inverse=True)
+        wrong[:, c] = np.array([fault(number) for number in numbers.tolist()])[rows]  # type: ignore[misc]
     t = np.arange(len(right)) / unit.rate
     names = ("gyro_x", "gyro_y", "gyro_z", "accel_x", "accel_y", "accel_z")
     values = wrong * step
-    if unit.decimals is not None:
-        values = np.round(values, unit.decimals)
     imu = Stream(t, {name: values[:, c].astype(float) for c, name in enumerate(names)})
     held = np.zeros(len(t), bool)
     for one in labels:

@@ -1,8 +1,9 @@
 """What a recording cannot be is told in one sentence that names it, and a clean one is let be."""
 
 from collections.abc import Callable
+from copy import deepcopy
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 
 import numpy as np
 import pytest
@@ -59,6 +60,12 @@ MISTAKES: dict[str, tuple[Mistake, str]] = {
 
 
 def varied(seed: int) -> Bench:
+    """One that a mistake may be made in."""
+    return deepcopy(drawn(seed))
+
+
+@cache
+def drawn(seed: int) -> Bench:
     return bench(
         seed, hertz=HERTZ[seed % 4], dwell=(5.0, 8.0)[seed % 2], lever=0.05 * (seed % 2),
         rates=((50.0, 150.0), (30.0,))[seed % 2], turns=((0.0,), (0.0, 180.0))[seed % 2],
@@ -75,16 +82,14 @@ def option(one: Remark) -> str:
 
 
 @pytest.mark.parametrize("seed", range(12))
-def test_a_clean_recording_is_let_be(seed: int) -> None:
+def test_a_clean_recording_is_let_be(seed):
     for table, labels in (*KNOWN.values(), (False, False)):
         assert found(recorded(varied(seed), table=table, labels=labels)) == ()
 
 
 @pytest.mark.parametrize("known", KNOWN)
 @pytest.mark.parametrize("name", MISTAKES)
-def test_one_sentence_names_the_mistake_and_the_way_to_import_it_right(
-    name: str, known: str
-) -> None:
+def test_one_sentence_names_the_mistake_and_the_way_to_import_it_right(name, known):
     make, right = MISTAKES[name]
     for seed in (3, 6):
         made = varied(seed)
@@ -98,7 +103,7 @@ def test_one_sentence_names_the_mistake_and_the_way_to_import_it_right(
 
 
 @pytest.mark.parametrize("number", range(len(mistakes.PROPER)))
-def test_a_unit_turned_as_a_whole_is_imported_right_by_what_is_said(number: int) -> None:
+def test_a_unit_turned_as_a_whole_is_imported_right_by_what_is_said(number):
     made = varied(number)
     right = made.gyro.copy()
     mistakes.both_mapped(made, mistakes.PROPER[number])
@@ -111,7 +116,7 @@ def test_a_unit_turned_as_a_whole_is_imported_right_by_what_is_said(number: int)
 
 
 @pytest.mark.parametrize("seconds", [0.5, -0.5, 10.0, -7.3, 31.0])
-def test_labels_shifted_as_a_whole_are_put_right_by_what_is_said(seconds: float) -> None:
+def test_labels_shifted_as_a_whole_are_put_right_by_what_is_said(seconds):
     for seed, table in ((2, False), (4, True)):
         made = varied(seed)
         mistakes.labels_late(made, seconds)
@@ -123,7 +128,7 @@ def test_labels_shifted_as_a_whole_are_put_right_by_what_is_said(seconds: float)
         assert found(changed(late, Changes(shift=shift))) == ()
 
 
-def test_a_table_in_degrees_is_not_taken_for_the_gyros() -> None:
+def test_a_table_in_degrees_is_not_taken_for_the_gyros():
     for labels in (True, False):
         made = varied(4)
         made.angle *= 180.0 / np.pi
@@ -131,7 +136,7 @@ def test_a_table_in_degrees_is_not_taken_for_the_gyros() -> None:
         assert option(one) == "--units table=deg"
 
 
-def test_angles_in_degrees_are_advised_as_angles() -> None:
+def test_angles_in_degrees_are_advised_as_angles():
     recording = recorded(varied(3))
     imu, columns = recording.imu, dict(recording.imu.columns)
     turned = [np.cumsum(columns.pop(name)) * np.median(np.diff(imu.t)) for name in GYRO]
@@ -144,9 +149,7 @@ def test_angles_in_degrees_are_advised_as_angles() -> None:
     ("seed", "table", "kept"),
     [*((seed, False, 2) for seed in range(1, 12, 2)), (8, False, 6), (8, True, 6)],
 )
-def test_a_position_that_is_labelled_wrongly_is_named_and_no_axis_with_it(
-    seed: int, table: bool, kept: int
-) -> None:
+def test_a_position_that_is_labelled_wrongly_is_named_and_no_axis_with_it(seed, table, kept):
     made = varied(seed)
     rests = [label for label in made.labels if label["kind"] == "static"]
     wrong = next(rest for rest in rests if rest["up"] == "+x")
@@ -159,13 +162,13 @@ def test_a_position_that_is_labelled_wrongly_is_named_and_no_axis_with_it(
     assert f"{wrong['name']} (labelled +z up; gravity shows +x)" in sentence
 
 
-def test_two_rests_that_read_alike_show_no_axis() -> None:
+def test_two_rests_that_read_alike_show_no_axis():
     """Level to a milliradian, along the diagonal that a turn as a whole would turn (x − z) to."""
     read = np.array([[1.0, 1e-3, 1e-3], [1.0, -1e-3, -1e-3]])
     assert wrong_axes(None, matrix_of_directions(read, np.eye(3)[[0, 2]])) is None
 
 
-def test_what_is_said_is_what_import_takes() -> None:
+def test_what_is_said_is_what_import_takes():
     made = varied(7)
     mistakes.gyro_times(made, 65.5 * 180 / np.pi, whole=True)
     raw = recorded(made)
@@ -186,7 +189,7 @@ def test_what_is_said_is_what_import_takes() -> None:
         ("real/vn200_57630_six_position", ["axes"]),
     ],
 )
-def test_recordings_from_the_field_are_named(name: str, kinds: list[str]) -> None:
+def test_recordings_from_the_field_are_named(name, kinds):
     assert [one.code for one in found(recordings.read(shared_path(f"data/{name}")))] == kinds
 
 
@@ -197,7 +200,7 @@ TORN = {"vn200_imu1_rate_table": 1}  # frames, of one row each
 
 
 @pytest.mark.parametrize("folder", ["real", "rough", "plant", "field"])
-def test_of_recordings_of_others_nothing_is_said_that_is_not_known_of_them(folder: str) -> None:
+def test_of_recordings_of_others_nothing_is_said_that_is_not_known_of_them(folder):
     every = [path.parent for path in sorted(shared_path(f"data/{folder}").glob("*/manifest.json"))]
     assert len(every) > 6
     for path in every:

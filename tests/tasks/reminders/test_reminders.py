@@ -9,9 +9,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from schemas.store import RecallFile, SilentHours
-from tasks.reminders import due_date
-from tasks.reminders.reliability import TARGET, Interval, advise, failure_rates
-from tasks.reminders.send import is_silent, occasion, pause
+from tasks.reminders import (
+    TARGET,
+    Interval,
+    advise,
+    due_date,
+    failure_rates,
+    is_silent,
+    occasion,
+    pause,
+)
 
 YEAR = 365.0
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from tasks.rendering.chart import envelope
+from tasks.rendering import envelope
 
 
 @pytest.mark.parametrize("bins", [1, 7, 100])

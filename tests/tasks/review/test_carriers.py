@@ -73,13 +73,14 @@ class Runs:
         return float(found)
 
 
-def whole(pool: Pool, name: str) -> Worth:
+def worth(pool: Pool, name: str, *windows: Window) -> Worth:
+    """Of an effect in its form of the most parameters."""
     effect: Effect = max((e for e in pool.effects if e.name == name), key=lambda e: len(e.own))
-    return Worth(effect, (HERE,), at_unit_information(*pool.evidence(effect), pool.unit))
+    return Worth(effect, windows, at_unit_information(*pool.evidence(effect), pool.unit))
 
 
 def here(pool: Pool, name: str) -> Carried:
-    (one,) = carried(pool, whole(pool, name), (HERE,), 1)
+    (one,) = carried(pool, worth(pool, name, HERE), (HERE,), 1)
     return one
 
 
@@ -101,7 +102,7 @@ def test_an_effect_explains_runs_by_their_likelihood_given_the_others():
 @pytest.mark.parametrize("spread", [0.0, 3.0])
 def test_a_gain_beside_the_spread_of_another_effect_is_that_of_the_whole_covariance(spread):
     runs, tau = Runs(spread), 2.0
-    one, other = here(runs.pool, TILT), whole(runs.pool, ARM)
+    one, other = here(runs.pool, TILT), worth(runs.pool, ARM)
     covariance = runs.covariance(other.evidence, ARM, tau, EVERY)
     expected = runs.nats(covariance, TILT, EVERY) - runs.nats(covariance, None, EVERY)
     beside = likeliest(other.evidence, (0.0,), (tau,))
@@ -111,8 +112,8 @@ def test_a_gain_beside_the_spread_of_another_effect_is_that_of_the_whole_covaria
 
 def test_the_usual_spread_is_that_of_the_other_runs():
     none, much = (Runs(spread).pool for spread in (0.0, 3.0))
-    nothing = usual(whole(none, ARM).evidence, rows_of(none, HERE))
-    spread = usual(whole(much, ARM).evidence, rows_of(much, HERE))
+    nothing = usual(worth(none, ARM).evidence, rows_of(none, HERE))
+    spread = usual(worth(much, ARM).evidence, rows_of(much, HERE))
     assert nothing is None
     assert spread is not None
     assert spread.tau in BETWEEN_UNITS[2:]
@@ -148,12 +149,6 @@ def with_spread(spread: float) -> Pool:
     return fleet(13, values, runs=160, alike=ALIKE)
 
 
-def worth(pool: Pool, name: str) -> Worth:
-    whole = (each for each in pool.effects if each.name == name)
-    effect: Effect = max(whole, key=lambda each: len(each.own))
-    return Worth(effect, (), at_unit_information(*pool.evidence(effect), pool.unit))
-
-
 def at_the_unit(pool: Pool, one: Worth) -> Carried:
     """The effect at the unit, as if units had no spread of it."""
     carrier = pool.names["unit"].index(f"U{UNIT}")
@@ -180,8 +175,7 @@ def test_a_name_is_not_excluded_for_what_it_costs_beforehand():
         12, lambda unit, station, day: of(ALIKE[0], 2.0 * (station == 2)), runs=80, alike=ALIKE
     )
     count = int((pool.carrier["station"] == 2).sum())
-    windows = (Window("station", 2, 0, count, count),)
-    best, alike = (replace(worth(pool, name), windows=windows) for name in ALIKE)
+    best, alike = (worth(pool, name, Window("station", 2, 0, count, count)) for name in ALIKE)
     many = replace(alike, effect=replace(alike.effect, trials=1000))
     (one,), others = (
         carried(pool, best, best.windows, TRIED),

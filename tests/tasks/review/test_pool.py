@@ -1,7 +1,5 @@
 """The statistics of a run: they add up, and a file keeps all that they say."""
 
-from pathlib import Path
-
 import numpy as np
 import pytest
 
@@ -46,15 +44,15 @@ def tilt_of(two: tuple[RunStatistics, ...]) -> tuple[np.ndarray, np.ndarray]:
 
 
 def test_the_sum_over_units_gives_what_they_have_in_common(
-    two: tuple[RunStatistics, RunStatistics],
-) -> None:
+    two,
+):
     value, u = tilt_of(two)
     assert value == pytest.approx(TILT, abs=4.0 * float(u.max()))
     assert (np.abs(value) > 5.0 * u).all()
     assert (u < tilt_of(two[:1])[1]).all()
 
 
-def test_what_was_found_is_taken_off_every_score(two: tuple[RunStatistics, RunStatistics]) -> None:
+def test_what_was_found_is_taken_off_every_score(two):
     together = pool(two)
     effect = next(one for one in together.effects if one.name == "axis_tilt")
     value, u = tilt_of(two)
@@ -64,13 +62,13 @@ def test_what_was_found_is_taken_off_every_score(two: tuple[RunStatistics, RunSt
     )
 
 
-def test_runs_of_one_procedure_share_a_layout(two: tuple[RunStatistics, RunStatistics]) -> None:
+def test_runs_of_one_procedure_share_a_layout(two):
     assert two[0].layout_key == two[1].layout_key
 
 
 def test_kept_statistics_are_those_that_were_made_and_small(
-    two: tuple[RunStatistics, RunStatistics],
-) -> None:
+    two,
+):
     content = kept.encoded(two[0], VERSION)
     again = kept.decoded(content, VERSION)
     assert again.layout == two[0].layout
@@ -79,9 +77,7 @@ def test_kept_statistics_are_those_that_were_made_and_small(
     assert len(content) < 100_000
 
 
-def test_damaged_statistics_and_those_of_another_version_are_as_good_as_none(
-    two: tuple[RunStatistics, RunStatistics], tmp_path: Path
-) -> None:
+def test_damaged_statistics_and_those_of_another_version_are_as_good_as_none(two, tmp_path):
     home = Home(tmp_path)
     kept.keep_statistics("d" * 64, VERSION, two[0], home)
     assert kept.load("d" * 64, VERSION + 1, home) is None
@@ -92,7 +88,7 @@ def test_damaged_statistics_and_those_of_another_version_are_as_good_as_none(
     assert kept.load("d" * 64, VERSION, home) is not None
 
 
-def test_a_recording_that_is_too_short_says_so() -> None:
+def test_a_recording_that_is_too_short_says_so():
     whole = recording(1, 7)
     short = Recording(whole.manifest, whole.imu.at(slice(0, 150)), whole.table)
     with pytest.raises(Unusable):
@@ -114,7 +110,7 @@ def review() -> Review:
     runs = []
     for seed, (unit, effect) in enumerate(EFFECTS.items(), start=1):
         case = Case(
-            seed=seed, rate_hz=50, rates_deg_s=(30.0, 150.0), dwell_s=5.0,
+            seed=seed, rate_hz=25, rates_deg_s=(30.0, 150.0), dwell_s=5.0,
             effects=(effect,) if effect else (),
         )  # fmt: skip
         who = ReviewedRun(unit, unit, {"unit": unit, "station": "S", "model": "M"})
@@ -128,8 +124,8 @@ def review() -> Review:
     [("SN1", "lever_arm", "size_effect"), ("SN2", "time_offset", "bandwidth")],
 )
 def test_the_simplest_name_stands_beside_those_that_it_cannot_be_told_from(
-    review: Review, unit: str, effect: str, alike: str
-) -> None:
+    review, unit, effect, alike
+):
     (finding,) = (one for one in review.findings if one.carrier == unit)
     assert finding.effect == effect
     assert alike in finding.indistinguishable_from

@@ -25,7 +25,7 @@ def reviewed(*args: object, **more: object) -> Review:
     return review_of(pool, *search(pool))
 
 
-def test_a_change_is_told_with_its_run_and_interval() -> None:
+def test_a_change_is_told_with_its_run_and_interval():
     review = reviewed(4, lambda unit, station, day: of("axis_tilt", SIZE * (day >= 50)))
     (finding,) = review.findings
     assert (review.verdict, finding.effect) == ("explained", "axis_tilt")
@@ -38,7 +38,7 @@ def test_a_change_is_told_with_its_run_and_interval() -> None:
     assert finding.parameters[0].value == pytest.approx(SIZE, abs=5 * finding.parameters[0].u)
 
 
-def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() -> None:
+def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would():
     review = reviewed(
         7, lambda unit, station, day: of("axis_tilt", SIZE * (unit == 3)),
         runs=120, units=8, station_of=lambda unit: unit,
@@ -49,7 +49,7 @@ def test_carriers_that_cannot_be_told_apart_are_named_with_the_run_that_would() 
     assert "another unit on this station" in finding.statement.en
 
 
-def test_a_site_is_estimated_from_the_level_part_of_earths_rotation() -> None:
+def test_a_site_is_estimated_from_the_level_part_of_earths_rotation():
     latitude, heading, u = np.radians(39.9), np.radians(30.0), 1e-7
     level = EARTH_RATE * np.cos(latitude) * np.array([-np.sin(heading), np.cos(heading)])
     site = estimated("ST-01", 12, level, np.diag([u**2, u**2]))
@@ -68,7 +68,7 @@ def manifest(model: str, serial: str, **station: object) -> Manifest:
     })  # fmt: skip
 
 
-def test_units_go_by_their_serial_unless_two_models_share_it() -> None:
+def test_units_go_by_their_serial_unless_two_models_share_it():
     runs = reviewed_runs({
         "a": manifest("M1", "1", site="north"), "b": manifest("M2", "1", latitude_deg=40.0),
         "c": manifest("M2", "2"),
@@ -86,7 +86,7 @@ def case(*effects: EffectCall) -> Case:
     return Case(seed=1, procedure="rests", rate_hz=20, dwell_s=5.0, effects=effects)
 
 
-def test_the_elements_move_by_what_the_effect_did_to_them() -> None:
+def test_the_elements_move_by_what_the_effect_did_to_them():
     parameters = {"coefficient": list(QUADRATIC), "order": 2}
     call = EffectCall(name="accel_nonlinearity", parameters=parameters)
     bent, plain = simulate(case(call)).recording, simulate(case()).recording
@@ -101,7 +101,7 @@ def test_the_elements_move_by_what_the_effect_did_to_them() -> None:
         assert each.after == pytest.approx(without, abs=0.2 * each.U)
 
 
-def test_a_finding_tells_what_it_moves_the_most_first() -> None:
+def test_a_finding_tells_what_it_moves_the_most_first():
     pool = fleet(1, lambda unit, station, day: of("axis_tilt", 2.0 * (station == 2)))
     (finding,) = review_of(pool, *search(pool)).findings
     moved = [

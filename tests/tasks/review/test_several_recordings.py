@@ -49,7 +49,7 @@ def together(*some: RunStatistics) -> Pool:
     return pooled([(ReviewedRun(f"r{k}", f"{k}", carriers), one) for k, one in enumerate(some)])  # type: ignore[arg-type]
 
 
-def test_an_effect_too_weak_for_one_recording_is_named_from_four() -> None:
+def test_an_effect_too_weak_for_one_recording_is_named_from_four():
     four = [statistics(seed, WEAK.name) for seed in range(21, 25)]
     (one,), p_value = found_together(together(*four))
     assert (one.effect.name, one.names) == (WEAK.name, ())
@@ -62,11 +62,11 @@ def test_an_effect_too_weak_for_one_recording_is_named_from_four() -> None:
 
 
 @pytest.mark.rehearsal
-def test_two_clean_recordings_name_nothing() -> None:
+def test_two_clean_recordings_name_nothing():
     assert found_together(together(statistics(21), statistics(22)))[0] == ()
 
 
-def test_a_unit_has_one_value_and_each_mounting_its_own() -> None:
+def test_a_unit_has_one_value_and_each_mounting_its_own():
     sizes = (6.0, -6.0, 6.0)
     unit = fleet(1, lambda unit, station, day: of("size_effect", 4.0), runs=3, units=1, stations=1)
     mounted = fleet(
@@ -80,7 +80,7 @@ def test_a_unit_has_one_value_and_each_mounting_its_own() -> None:
     assert np.sign(own.values.mean(axis=1)).tolist() == [1.0, -1.0, 1.0]
 
 
-def test_a_value_that_does_not_hold_in_the_other_recording_is_no_name() -> None:
+def test_a_value_that_does_not_hold_in_the_other_recording_is_no_name():
     opposite = fleet(
         1, lambda unit, station, day: of("size_effect", (12.0, -6.0)[day]), runs=2, units=1,
         stations=1,
@@ -100,14 +100,14 @@ def in_one_recording() -> FoundTogether:
     return found
 
 
-def test_what_no_other_recording_tells_is_tested_on_parts_of_its_own() -> None:
+def test_what_no_other_recording_tells_is_tested_on_parts_of_its_own():
     found = in_one_recording()
     assert found.held_out is None
     assert held_out_gain(found, [answer("a")]) == 0.0
     assert held_out_gain(found, [answer("a", 12.5), answer("b", 2.5)]) == 15.0
 
 
-def test_recordings_that_see_different_axes_do_not_test_each_other() -> None:
+def test_recordings_that_see_different_axes_do_not_test_each_other():
     pool = fleet(2, lambda unit, station, day: of("size_effect", 9.0), runs=2, units=1, stations=1)
     (group,) = pool.groups
     axes = np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 1.0]])
@@ -141,7 +141,7 @@ def finding(gain: float) -> ReportedFinding:
     )  # fmt: skip
 
 
-def test_the_answer_is_that_of_one_recording_with_what_each_says_beside_it() -> None:
+def test_the_answer_is_that_of_one_recording_with_what_each_says_beside_it():
     pool = fleet(
         2, lambda unit, station, day: of("lever_arm", 6.0), runs=3, units=1, stations=1
     )  # fmt: skip

@@ -58,7 +58,7 @@ def deviations(site: EstimatedSite) -> tuple[float, float]:
     )
 
 
-def test_a_station_whose_runs_have_several_layouts_is_told_once(kept: Kept) -> None:
+def test_a_station_whose_runs_have_several_layouts_is_told_once(kept):
     first, *rest = kept["ST-01"]
     terms = tuple(
         term.model_copy(update={"rarity": term.rarity + 1.0}) for term in first.layout.terms
@@ -68,7 +68,7 @@ def test_a_station_whose_runs_have_several_layouts_is_told_once(kept: Kept) -> N
     assert len(estimates({"ST-01": [other, *rest]})) == 1
 
 
-def test_each_station_gets_its_own_latitude_and_heading_within_u(kept: Kept) -> None:
+def test_each_station_gets_its_own_latitude_and_heading_within_u(kept):
     sites = estimates(kept)
     assert [site.station for site in sites] == list(TRUTH)
     for site in sites:
@@ -78,7 +78,7 @@ def test_each_station_gets_its_own_latitude_and_heading_within_u(kept: Kept) -> 
 
 
 @pytest.mark.rehearsal
-def test_u_covers_the_truth_as_often_as_it_says_and_shrinks_with_runs(kept: Kept) -> None:
+def test_u_covers_the_truth_as_often_as_it_says_and_shrinks_with_runs(kept):
     alone = [site for k in range(RUNS) for site in estimates({s: [r[k]] for s, r in kept.items()})]
     off = np.array([deviations(site) for site in alone])
     assert (np.abs(off) < K).mean() >= 0.85

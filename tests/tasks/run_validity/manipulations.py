@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 
 from schemas.recording import ACCEL, GYRO, Manifest, Recording, Segment, Stream
+from tests.manifests import at_station
 
 Manipulation = Callable[[Recording], Recording]
 Change = Callable[[np.ndarray, np.ndarray], np.ndarray]  # of times and values
@@ -51,12 +52,7 @@ def _manifest(**changes: Any) -> Manipulation:
 
 
 def _station(**changes: Any) -> Manipulation:
-    def manipulate(recording: Recording) -> Recording:
-        station = recording.manifest.station.model_copy(update=changes)
-        manifest = recording.manifest.model_copy(update={"station": station})
-        return replace(recording, manifest=manifest)
-
-    return manipulate
+    return lambda recording: at_station(recording, **changes)
 
 
 def _segments(change: Callable[[int, Segment], Segment], kind: str) -> Manipulation:

@@ -21,7 +21,7 @@ from tests.tasks.run_validity.manipulations import DRIFTS, MANIPULATIONS
 
 METHODS: tuple[Method, ...] = ("jjf2003", "joint", "jjf1536")
 SAME_EVIDENCE: tuple[tuple[Method, ...], ...] = (("jjf2003", "joint"), ("jjf1536",))
-OF_AHRS = {  # among them raise every remark that the others do, which repeat it
+EVERY_REMARK = {  # these raise every remark that the others do, which repeat it
     "air for the first 5 %", "supply off", "unit at 85 °C", "no temperature of the unit",
     "gravity 9.71", "no gravity", "a position upside down", "a twentieth lost",
     "no air", "air too warm", "air too humid", "supply falls by a tenth", "no supply",
@@ -30,6 +30,12 @@ OF_AHRS = {  # among them raise every remark that the others do, which repeat it
     "one label of a rate off", "labels 10 s late", "10 % of a gyro off by 5 σ",
     "a channel stands", "gyros shaken in the rests", "two gyros change places",
     "a rest that turns", "a minute lost", "unit half a second early", "table not settled",
+}  # fmt: skip
+AND_TOGETHER = {  # and these others of them together, on three axes
+    "no humidity", "latitude 0°", "latitude 65°", "table without every third row",
+    "encoder jumps by 1 rad at the beginning", "encoder jumps by 1 rad for a second",
+    "encoder stands", "50 m/s² in the rests", "1 m/s² in one rest", "unit's clock 0.1 % fast",
+    "table two seconds late", "2 % of an accelerometer off by 8 σ",
 }  # fmt: skip
 LIMITED = {
     "jjf2003": ("gyro_scale_factor", "accel_scale_factor"),
@@ -95,8 +101,8 @@ def judged(name: str, methods: tuple[Method, ...]) -> tuple[Calibration, ...]:
 
 
 def case(name: str, methods: tuple[Method, ...]) -> Any:
-    long = "jjf1536" in methods and name not in OF_AHRS
-    marks = [pytest.mark.rehearsal] if long else []
+    short = EVERY_REMARK if "jjf1536" in methods else EVERY_REMARK | AND_TOGETHER
+    marks = [] if name in short else [pytest.mark.rehearsal]
     return pytest.param(name, methods, marks=marks, id=f"{name}-{' and '.join(methods)}")
 
 

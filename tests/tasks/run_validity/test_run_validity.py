@@ -87,7 +87,7 @@ def g_sensitive(recording: Recording) -> Recording:
 
 @pytest.mark.parametrize("has_table", [True, False])
 def test_a_large_g_sensitivity_does_not_make_rests_turn(plant, has_table):
-    recording = g_sensitive(plant("plant_clean"))
+    recording = g_sensitive(plant("plant_clean", 4))
     recording = recording if has_table else replace(recording, table=None)
     assert remarks(recording, "rest_turns") == []
 
@@ -96,7 +96,7 @@ def test_a_rest_that_turns_is_found_without_encoders_whatever_the_g_sensitivity(
     def turn(columns: dict, rows: slice) -> None:
         columns["gyro_z"][rows] += np.radians(3.0)
 
-    recording = edited(replace(g_sensitive(plant("plant_clean")), table=None),
+    recording = edited(replace(g_sensitive(plant("plant_clean", 4)), table=None),
                        "position_+z_000", turn)  # fmt: skip
     (remark,) = remarks(recording, "rest_turns")
     assert remark.segments == ("position_+z_000",)
@@ -120,7 +120,7 @@ def laid_by_hand(recording: Recording, degrees: float) -> Recording:
 
 
 def test_rests_laid_by_hand_are_tilted_and_their_zero_did_not_drift(plant):
-    recording = laid_by_hand(plant("plant_clean"), 0.5)
+    recording = laid_by_hand(plant("plant_clean", 4), 0.5)
     found = items_only(JJF2003, recording).remarks
     assert not {"drift", "unsteady_zero"} & {remark.code for remark in found}
 
@@ -129,16 +129,16 @@ def test_a_zero_that_jumped_is_found_in_rests_laid_by_hand(plant):
     def jump(columns: dict, rows: slice) -> None:
         columns["accel_z"][rows] += 0.2
 
-    recording = edited(laid_by_hand(plant("plant_clean"), 0.5), "position_+z_000", jump)
+    recording = edited(laid_by_hand(plant("plant_clean", 4), 0.5), "position_+z_000", jump)
     (remark,) = remarks(recording, "unsteady_zero")  # of the two with z up, both half of it off
     assert remark.segments[0].startswith("position_+z")
 
 
 def test_a_rate_the_table_contradicts_is_replaced_by_the_tables(plant):
-    recording = relabelled(plant("plant_clean"), "rate_y_+100", rate_deg_s=101.0)
+    recording = relabelled(plant("plant_clean", 4), "rate_y_+100", rate_deg_s=101.0)
     (remark,) = remarks(recording, "rate_contradicted")
     assert "the table shows +100.0000 deg/s" in remark.en
-    honest = items_only(JJF2003, plant("plant_clean"))
+    honest = items_only(JJF2003, plant("plant_clean", 4))
     result = items_only(JJF2003, recording)
     found, known = result.items["gyro_scale_factor"], honest.items["gyro_scale_factor"]
     assert found.value == known.value
@@ -150,7 +150,7 @@ def test_a_stuck_channel_is_named_with_its_value_and_length(plant):
     def stick(columns: dict, rows: slice) -> None:
         columns["gyro_z"][rows.start + 100 : rows.start + 700] = 0.25
 
-    recording = edited(plant("plant_clean"), "rest_x", stick)
+    recording = edited(plant("plant_clean", 4), "rest_x", stick)
     (remark,) = remarks(recording, "stuck")
     assert remark.segments == ("rest_x",)
     assert "gyro_z was stuck at 0.25 for 600 rows" in remark.en
@@ -158,7 +158,7 @@ def test_a_stuck_channel_is_named_with_its_value_and_length(plant):
 
 @pytest.mark.parametrize("codes", [0.6, 0.75, 1.0, 1.5, 2.1, 2.2, 3.7])
 def test_noise_of_so_many_codes_is_no_outlier(plant, codes):
-    recording = plant("plant_clean")
+    recording = plant("plant_clean", 4)
     still = recording.imu.rows(*moment(recording, "position_+x_000"))
     columns = dict(recording.imu.columns)
     for name in GYRO:
@@ -169,7 +169,7 @@ def test_noise_of_so_many_codes_is_no_outlier(plant, codes):
 
 
 def test_lost_samples_are_counted_with_the_longest_gap(plant):
-    recording = plant("plant_clean")
+    recording = plant("plant_clean", 4)
     segment = next(s for s in recording.manifest.segments if s.name == "rest_x")
     rows = recording.imu.rows(segment.t_start, segment.t_end)
     keep = np.ones(len(recording.imu), bool)

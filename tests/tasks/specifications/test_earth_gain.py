@@ -28,7 +28,7 @@ def seen_in(recording: Recording) -> EarthRotationGain:
     ],
 )
 def test_headings_apart_tell_whether_a_simulated_earth_turned(plant, name, gain, state):
-    found = seen_in(plant(name))
+    found = seen_in(plant(name, 4))
     assert found.level
     assert abs(found.gain - gain) < 2.0 * found.u
     assert found.u < 0.2
@@ -37,7 +37,7 @@ def test_headings_apart_tell_whether_a_simulated_earth_turned(plant, name, gain,
 
 def test_a_g_sensitivity_is_not_taken_for_earth_rotation(plant):
     """It turns with gravity, which no heading changes."""
-    recording = plant("plant_clean")
+    recording = plant("plant_clean", 4)
     columns = {name: values.copy() for name, values in recording.imu.columns.items()}
     up = columns["accel_x"] / 9.78
     columns["gyro_x"] += 1e-3 * up
@@ -75,7 +75,7 @@ def test_without_a_latitude_there_is_no_gain(ideal_run):
 
 @pytest.mark.parametrize("name", ["plant_clean", "plant_earth_rotation"])
 def test_only_where_it_is_seen_the_value_is_said_to_contain_it(plant, name):
-    found = calibrate(JJF2003, plant(name), run="r", code_version="v")
+    found = calibrate(JJF2003, plant(name, 4), run="r", code_version="v")
     texts = [remark.en for remark in found.remarks] + [found.information[WITHOUT_EARTH].en]
     includes = [text for text in texts if "includes" in text and "Earth" in text]
     assert bool(includes) == (name == "plant_earth_rotation")

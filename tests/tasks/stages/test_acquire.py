@@ -23,8 +23,8 @@ from tasks.stages import acquire
 from tasks.stages.acquire import acquire_run, status_file
 from tasks.stages.store import ready_to_acquire
 from tasks.station import procedures
+from tasks.station.acquisition import Progress
 from tasks.station.connected_station import StopSwitch
-from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation, draw_unit, station_file
 from tasks.station.virtual.faults import StationFault
 from tests.tasks.station.in_memory import InMemoryStation

@@ -271,7 +271,7 @@ def test_a_password_that_no_mail_server_can_be_told_is_a_sentence_without_it(
 @pytest.mark.parametrize("password", ["j%k:l", "n@o/p?q#"])
 def test_a_password_written_as_it_is_becomes_no_host(home, password, capfd):
     url = f"mailto://lab:{password}@mail.example.org:25?from=lab@example.org&to=c@example.org"
-    whole = remind.sending.check_channel("e-mail", url)
+    whole = remind.check_channel("e-mail", url)
     assert urlsplit(whole).hostname == "mail.example.org"
     assert unquote(urlsplit(whole).password or "") == password
     assert capfd.readouterr().err == ""

@@ -1,6 +1,8 @@
 """A stop of a station: by its run's process, or directly, whatever else is away."""
 
 import asyncio
+import os
+import pwd
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -16,7 +18,7 @@ from storage.formats.mcap.reader import read_mcap
 from storage.home import Home
 from storage.stations import is_held, keep_station_file, one_run_on, request_in, statuses
 from tasks.stages.acquire import acquire_run
-from tasks.stages.stop import stop_station
+from tasks.stages.stop import current_user, stop_station
 from tasks.station import procedures
 from tasks.station.connected_station import StopSwitch, run_until_stopped
 from tasks.station.virtual.config import VirtualStation
@@ -77,6 +79,13 @@ def acquiring(station, home, turning) -> Iterator[Callable[..., "Future[object]"
 def at_rest(station: StationFile) -> bool:
     state, watchdog = table_and_watchdog(station)
     return watchdog == 0 and not any(axis.is_moving for axis in state.axes)
+
+
+def test_whoever_stops_has_a_name_even_in_a_container_whose_user_has_none(monkeypatch):
+    for name in ("MIMUCAL_USER", "LOGNAME", "USER", "LNAME", "USERNAME"):
+        monkeypatch.delenv(name, raising=False)
+    monkeypatch.setattr(pwd, "getpwuid", {}.__getitem__)
+    assert current_user() == f"uid {os.geteuid()}"
 
 
 def test_the_run_stops_the_table_keeps_its_recording_and_says_who(station, home, acquiring):

@@ -8,7 +8,7 @@ import numpy as np
 
 from schemas.procedure import Procedure, Refix
 from schemas.station import StationFile
-from tasks.station.acquisition import Acquired, NewRecording, RunRequest, run
+from tasks.station.acquisition import Acquired, NewRecording, Progress, RunRequest, run
 from tasks.station.clock import wall_s
 from tasks.station.connected_station import Bench, ByHand
 from tasks.station.drivers.unit import UnitDriver
@@ -20,7 +20,6 @@ from tasks.station.ports import (
     TableState,
     check_trips,
 )
-from tasks.station.progress import Progress
 from tasks.station.virtual.config import (
     AXIS_STATUS,
     CAPTURE_VALUES,

@@ -10,11 +10,10 @@ from typing import Any
 
 from schemas.procedure import Procedure
 from schemas.station import ModbusTable, StationFile
-from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
+from tasks.station.acquisition import Acquired, NewRecording, Progress, RunRequest, acquire
 from tasks.station.drivers.devices import Devices
 from tasks.station.drivers.modbus import ModbusLink
 from tasks.station.ports import TableState
-from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import serve

@@ -19,10 +19,16 @@ from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf1536 import JJF1536
 from tasks.station import procedures
 from tasks.station import recorder as recorder_module
-from tasks.station.acquisition import REPEATS, Acquired, NewRecording, RunRequest, check_run
+from tasks.station.acquisition import (
+    REPEATS,
+    Acquired,
+    NewRecording,
+    Progress,
+    RunRequest,
+    check_run,
+)
 from tasks.station.plan import check_procedure
 from tasks.station.ports import TableState
-from tasks.station.progress import Progress
 from tasks.station.virtual.config import VirtualStation
 from tasks.station.virtual.faults import StationFault
 from tasks.station.virtual.servers import running

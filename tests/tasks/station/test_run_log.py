@@ -8,8 +8,7 @@ import pytest
 from schemas.base import Unusable
 from schemas.recording import LogEntry, Stream
 from schemas.station import StationFile
-from tasks.station.acquisition import Acquired, NewRecording, RunRequest, acquire
-from tasks.station.progress import Progress
+from tasks.station.acquisition import Acquired, NewRecording, Progress, RunRequest, acquire
 from tasks.station.recorder import ROWS, LastRows
 from tasks.station.virtual.config import VirtualStation, draw_unit
 from tasks.station.virtual.faults import StationFault

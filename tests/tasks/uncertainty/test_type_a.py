@@ -47,9 +47,9 @@ def segments_of(values: np.ndarray) -> tuple[SegmentMean, ...]:
 
 @cache
 def means_and_covariances(drift: float) -> list[tuple[np.ndarray, np.ndarray]]:
-    """Of 60 runs × 6 channels: the means of the segments (n,) and what is stated of them (n, n)."""
+    """Of 30 runs × 6 channels: the means of the segments (n,) and what is stated of them (n, n)."""
     found, rows = [], round(24 * DWELL * RATE)
-    for seed in range(60):
+    for seed in range(30):
         rng = np.random.default_rng(seed)
         white = rng.normal(0.0, 0.05, (rows, 6))
         segments = segments_of(white + (flicker(rng, rows, drift) if drift else 0.0))

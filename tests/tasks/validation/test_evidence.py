@@ -73,7 +73,7 @@ def test_the_joint_fit_written_anew_gives_the_truth_of_an_ideal_run_back():
         assert elements == pytest.approx({e: truth[name][e] for e in elements}, abs=1e-9), name
 
 
-def test_a_study_does_not_begin_without_a_worked_example_for_every_item(monkeypatch) -> None:
+def test_a_study_does_not_begin_without_a_worked_example_for_every_item(monkeypatch):
     monkeypatch.delitem(EXAMPLES, "ahrs_misalignment")
     with pytest.raises(Unusable, match="ahrs_misalignment"):
         make_record({"jjf1536": METHODS["jjf1536"]}, 10, 1, "v", lambda done, of: None)

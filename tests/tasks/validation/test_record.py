@@ -1,5 +1,6 @@
 """The record that ships with the code, and what the gate makes of records."""
 
+import ast
 from datetime import date
 
 import pytest
@@ -70,6 +71,26 @@ def test_a_sentence_that_numbers_are_put_into_is_not_in_the_fingerprint():
 def test_what_the_code_computes_is_in_its_fingerprint():
     assert read_source(PLAIN.replace("2", "3")).code != read_source(PLAIN).code
     assert read_source('TEXT = "about"').code != read_source('TEXT = "of"').code
+
+
+def test_where_a_module_is_loaded_is_not_in_the_fingerprint_but_which_one_is():
+    first = "from scipy.signal import lfilter\n\n" + PLAIN
+    late = PLAIN.replace("    return", "    from scipy.signal import lfilter\n\n    return")
+    assert read_source(first).code == read_source(late).code
+    assert read_source(late.replace("signal", "other")).code != read_source(late).code
+    assert read_source(late).code != read_source(PLAIN).code
+
+
+@pytest.mark.parametrize("method", ["jjf2003", "joint", "jjf1536"])
+def test_a_name_is_imported_from_one_place_within_a_file_so_where_says_nothing(method):
+    for path in sources(method):
+        places: dict[str, set[str]] = {}
+        for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.Import | ast.ImportFrom):
+                for each in node.names:
+                    place = f"{getattr(node, 'module', '')}.{each.name}"
+                    places.setdefault(each.asname or each.name, set()).add(place)
+        assert {name: found for name, found in places.items() if len(found) > 1} == {}, path
 
 
 @pytest.fixture(scope="module")

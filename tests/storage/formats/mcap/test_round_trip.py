@@ -30,7 +30,7 @@ from schemas.recording import (
 )
 from storage.formats.content import canonical, digest
 from storage.formats.folder import read_folder
-from storage.formats.mcap.messages import ENVIRONMENT
+from storage.formats.mcap.messages import ENVIRONMENT_TOPICS
 from storage.formats.mcap.reader import read_mcap
 from storage.formats.mcap.writer import RawWriter, write_mcap
 from tests.shared import shared_path
@@ -73,7 +73,7 @@ def test_every_stream_and_column_comes_back_and_a_second_time_the_same_file(tmp_
 
 @given(arrays(np.float64, 8, elements=st.floats(-1e300, 1e300, allow_subnormal=False)))
 def test_conversion_to_ros_units_changes_a_number_at_most_once(values):
-    for scalar in ENVIRONMENT:
+    for scalar in ENVIRONMENT_TOPICS:
         once = scalar.from_ros(scalar.to_ros(values))
         twice = scalar.from_ros(scalar.to_ros(once))
         assert once.tobytes() == twice.tobytes()
@@ -82,7 +82,7 @@ def test_conversion_to_ros_units_changes_a_number_at_most_once(values):
 
 @given(st.decimals(0, 2000, places=4, allow_nan=False))
 def test_decimal_number_comes_back_from_ros_units_as_it_was(value):
-    for scalar in ENVIRONMENT:
+    for scalar in ENVIRONMENT_TOPICS:
         assert scalar.from_ros(scalar.to_ros(np.array([float(value)])))[0] == float(value)
 
 

@@ -19,12 +19,12 @@ from tasks.calibrate.information.entry import (
 from tasks.calibrate.information.noise import FLOOR
 from tasks.specifications.jjf2003 import JJF2003
 from tasks.words import say
-from tests.manifests import manifest_of
+from tests.manifests import at_station, manifest_of
 
 # What stands beside the items: known noise recovered, the truth found, nulls with a reason.
 
 DEG = float(np.degrees(1.0))
-RATE_HZ = 50.0
+RATE_HZ = 25.0
 GYRO_WHITE, ACCEL_WHITE = 5e-5, 4e-4  # rad/s/√Hz, m/s²/√Hz
 GYRO_FLOOR = 4e-5  # rad/s, bias instability
 
@@ -127,7 +127,7 @@ def test_on_plant_earth_rotation_the_separated_value_finds_the_truth_and_the_cla
     plant, shared
 ):
     truth = json.loads((shared / "plant/plant_earth_rotation/truth.json").read_text())
-    recording = plant("plant_earth_rotation")
+    recording = plant("plant_earth_rotation", 4)
     g = recording.manifest.station.gravity_m_s2
     calibration = result(recording)
     item = calibration.items["gyro_g_sensitivity"]
@@ -141,10 +141,7 @@ def test_on_plant_earth_rotation_the_separated_value_finds_the_truth_and_the_cla
 
 
 def test_without_a_latitude_nothing_is_separated(ideal_run):
-    recording = ideal_run()
-    station = recording.manifest.station.model_copy(update={"latitude_deg": None})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    found = result(Recording(manifest, recording.imu, digest="0" * 64)).information
+    found = result(at_station(ideal_run(), latitude_deg=None)).information
     assert "gyro_g_sensitivity_without_earth_rotation" not in found
 
 

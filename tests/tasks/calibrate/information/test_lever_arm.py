@@ -14,6 +14,7 @@ from tasks.calibrate.information.entry import type_b
 from tasks.calibrate.information.lever_arm import lever_arm_information
 from tasks.specifications.evidence import ClauseEvidence, gather
 from tasks.specifications.jjf2003 import JJF2003
+from tests.manifests import at_station
 
 SEPARATED = "accel_rate_sensitivity_without_lever_arm"
 
@@ -37,7 +38,7 @@ def known(plant) -> Callable[[str], Known]:
 
     @cache
     def build(name: str) -> Known:
-        recording = plant(name)
+        recording = plant(name, 4)
         evidence = gather(recording)
         items = without_information(JJF2003, evidence, evaluation_for(recording)).items
         return recording, evidence, items
@@ -101,7 +102,5 @@ def test_without_encoders_or_ramps_nothing_is_said(real, name):
 
 def test_an_unknown_gravity_says_nothing(known):
     recording, evidence, _ = known("plant_lever_arm")
-    station = recording.manifest.station.model_copy(update={"gravity_m_s2": None})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    unknown = replace(recording, manifest=manifest)
+    unknown = at_station(recording, gravity_m_s2=None)
     assert lever_arm_information(replace(evidence, recording=unknown), {}) == {}

@@ -1,7 +1,6 @@
 """A calibration with physics taken off: values, uncertainty, what it says of it."""
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -32,6 +31,7 @@ from tasks.model.terms.site import earth_rotation
 from tasks.model.terms.standard import STANDARD_TERMS
 from tasks.motion.whole import whole_motion
 from tasks.specifications.jjf2003 import JJF2003
+from tests.manifests import at_station
 from tests.tasks.items_only import items_only
 
 TITLE = Statement(en="unit beside the axis", zh="安装偏心")
@@ -76,37 +76,35 @@ def determined(recording: Recording, r_xy: float = 0.0) -> DeterminedModel:
 
 
 @pytest.fixture(scope="module")
-def run(ideal_run: Callable[..., Recording]) -> Recording:
+def run(ideal_run) -> Recording:
     return ideal_run(dwell=6.0, noise=1e-6)
 
 
 @pytest.fixture(scope="module")
-def clean(run: Recording) -> Calibration:
+def clean(run) -> Calibration:
     return calibrated(run)
 
 
 @pytest.fixture(scope="module")
-def displaced(run: Recording) -> tuple[Recording, Finding]:
+def displaced(run) -> tuple[Recording, Finding]:
     """A run of a unit off the axes, and the finding that says where it is."""
     found = lever_arm(run)
     return corrected(run, (-found.contribution,)), found
 
 
 @pytest.fixture(scope="module")
-def adopted(displaced: tuple[Recording, Finding]) -> Calibration:
+def adopted(displaced) -> Calibration:
     recording, found = displaced
     return adopt(recording, [found], calibrated, determined(recording))
 
 
-def test_items_are_those_of_a_unit_without_the_effect(clean, adopted) -> None:
+def test_items_are_those_of_a_unit_without_the_effect(clean, adopted):
     for name, item in clean.items.items():
         for element, value in item.value.items():
             assert adopted.items[name].value[element] == pytest.approx(value, abs=1e-9)
 
 
-def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(
-    clean, adopted, displaced
-) -> None:
+def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(clean, adopted, displaced):
     """At a steady rate an arm r reads r_i·ω_j² along the axis i: u(p_ij) has u(r_i) in it."""
     found = displaced[1]
     before, after = (c.items["accel_rate_sensitivity"] for c in (clean, adopted))
@@ -125,7 +123,7 @@ def test_uncertainty_grows_by_what_the_parameters_do_to_each_element(
     assert same.u == pytest.approx(clean.items["gyro_scale_factor"].u)
 
 
-def test_result_says_what_was_taken_off_and_passes_no_unit(adopted) -> None:
+def test_result_says_what_was_taken_off_and_passes_no_unit(adopted):
     (term,) = adopted.terms
     assert (term.name, term.title_zh) == ("lever_arm", TITLE.zh)
     assert [(p.value, p.u) for p in term.parameters] == list(zip(ARM, U_ARM, strict=True))
@@ -138,7 +136,7 @@ def test_result_says_what_was_taken_off_and_passes_no_unit(adopted) -> None:
     assert Calibration.model_validate_json(adopted.model_dump_json()) == adopted
 
 
-def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displaced) -> None:
+def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displaced):
     recording, found = displaced
     weak = replace(found, delta_bic=-3.0)
     adopted = adopt(recording, [weak], calibrated, determined(recording))
@@ -146,14 +144,9 @@ def test_a_term_that_the_recording_does_not_show_is_taken_with_a_warning(displac
     assert "-3.0" in statement.en
 
 
-def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
+def test_earth_rotation_is_not_taken_off_twice(ideal_run):
     """At the pole only the diagonal is concerned; by eq. (7) it holds the Earth's rate."""
-    recording = ideal_run(dwell=6.0)
-    station = recording.manifest.station.model_copy(update={"latitude_deg": 90.0})
-    manifest = recording.manifest.model_copy(update={"station": station})
-    recording = Recording(
-        manifest, recording.imu, environment=recording.environment, digest=recording.digest
-    )
+    recording = at_station(ideal_run(dwell=6.0), latitude_deg=90.0)
     term = earth_rotation(math.pi / 2)
     found = finding(added_by(term, recording, ()), "earth_rotation", parameters=())
     on_earth = corrected(recording, (-found.contribution,))
@@ -167,7 +160,7 @@ def test_earth_rotation_is_not_taken_off_twice(ideal_run) -> None:
 
 
 @pytest.mark.rehearsal
-def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None:
+def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant):
     """Less Earth's rotation they show none of it, which says nothing of latitude and heading."""
     full = plant("plant_earth_rotation")
     recording = replace(full, imu=full.imu.at(FIFTH), table=full.table.at(FIFTH))
@@ -186,7 +179,7 @@ def test_the_site_is_judged_by_readings_that_have_earths_rotation(plant) -> None
     assert "information_as_recorded" in codes
 
 
-def test_correlation_of_what_was_taken_off_is_in_u(run, clean) -> None:
+def test_correlation_of_what_was_taken_off_is_in_u(run, clean):
     """What two parameters that make up for each other do to one element nearly cancels."""
     item, model = clean.items["gyro_bias"], determined(run, r_xy=-0.9)
     inputs = uncertain_inputs([lever_arm(run)], model)
@@ -203,7 +196,7 @@ def test_correlation_of_what_was_taken_off_is_in_u(run, clean) -> None:
     assert sum(line.share for line in budget.inputs) == pytest.approx(1.0)
 
 
-def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run, clean) -> None:
+def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run, clean):
     """Along its own axis a steady rate shows the arm by p_xy alone."""
     values = np.concatenate([STANDARD_VALUES, [0.0, *ARM[1:]]])
     full = determined(run)
@@ -220,7 +213,7 @@ def test_what_is_held_at_nothing_is_taken_off_nothing_and_stays_in_u(run, clean)
     assert after.u["xy"] == pytest.approx(math.hypot(before.u["xy"], U_ARM[0]), rel=1e-3)
 
 
-def test_physics_that_is_known_beforehand_has_no_spread(run) -> None:
+def test_physics_that_is_known_beforehand_has_no_spread(run):
     """Earth's rate that was found is a check of the one that was taken off."""
     term = earth_rotation(0.5)
     model = Model.of((*STANDARD_TERMS, term), free=np.zeros(len(STANDARD_VALUES), bool))
@@ -234,7 +227,7 @@ def test_physics_that_is_known_beforehand_has_no_spread(run) -> None:
     assert uncertain_inputs([found], known) == []
 
 
-def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
+def test_segments_whose_motion_is_not_known_are_named(displaced):
     recording, found = displaced
     holed = found.contribution.copy()
     segment = (recording.manifest.segments or ())[3]
@@ -245,7 +238,7 @@ def test_segments_whose_motion_is_not_known_are_named(displaced) -> None:
     assert statement.segments == (segment.name,)
 
 
-def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run, clean) -> None:
+def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run, clean):
     wander = finding(
         1e-4 * np.sin(np.linspace(0.0, 9.0, len(run.imu)))[:, None] * np.ones(6),
         "bias_random_walk", parameters=(),
@@ -257,9 +250,7 @@ def test_a_random_course_stays_in_the_readings_and_the_result_says_so(run, clean
     assert "bias_random_walk" in result.remarks[0].en
 
 
-def test_directions_of_many_parameters_make_the_uncertainty_of_the_parameters(
-    run, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_directions_of_many_parameters_make_the_uncertainty_of_the_parameters(run, monkeypatch):
     found, model = lever_arm(run), determined(run, r_xy=-0.9)
     recording = corrected(run, (-found.contribution,))
     by_parameter = adopt(recording, [found], calibrated, model).items

@@ -2,7 +2,10 @@
 
 import numpy as np
 
+from tasks.explain.events.detect import events_in_readings
+from tasks.explain.events.event import Events
 from tasks.motion.whole import Motion
+from tasks.words import texts
 
 RATE = 100.0
 GRAVITY = 9.8
@@ -39,3 +42,15 @@ def counted(readings: np.ndarray, steps: tuple[float, float] = (1e-4, 2e-3)) -> 
     """Rounded to steps of the gyros and the accelerometers."""
     step = np.repeat(steps, 3)
     return np.round(readings / step) * step
+
+
+def found_in(readings: np.ndarray, made: Motion) -> Events:
+    """What is found in readings; each event has a sentence in every language."""
+    events = events_in_readings(readings, made)
+    assert all(all(texts(event.description).values()) for event in events.events)
+    return events
+
+
+def sizes(events: Events) -> dict[str, float]:
+    """The parameters of all events by their names."""
+    return {each.name: each.value for event in events.events for each in event.parameters}

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from tasks.explain.events.bursts import find_settling
 from tasks.explain.events.detect import (
     AxisMapping,
     GravityRemoved,
@@ -13,7 +14,6 @@ from tasks.explain.events.detect import (
     events_in_readings,
     find_gravity_removed,
     find_settings,
-    find_settling,
 )
 from tasks.words import texts
 from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy
@@ -30,7 +30,7 @@ def settings(readings: np.ndarray, tracked: bool = False) -> tuple[Setting, ...]
 
 
 @pytest.mark.parametrize("seed", range(4))
-def test_a_working_unit_has_no_wrong_setting(seed: int) -> None:
+def test_a_working_unit_has_no_wrong_setting(seed):
     rng = np.random.default_rng(seed)
     scale = 1.0 + rng.normal(0.0, 0.02, 6)
     assert settings(noisy(mean_readings(MADE) * scale, seed)) == ()
@@ -41,7 +41,7 @@ def test_a_working_unit_has_no_wrong_setting(seed: int) -> None:
     [(0, 2.0), (0, 0.25), (0, 180.0 / np.pi), (0, np.pi / 180.0), (0, 1.43), (1, 1.16),
      (1, 1.0 / 9.80665), (1, 9.80665), (1, 0.5), (1, 1000.0)],
 )  # fmt: skip
-def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> None:
+def test_a_factor_common_to_a_triad_is_a_setting(triad, factor):
     readings = noisy(mean_readings(MADE), 2)
     right = readings.copy()
     readings[:, 3 * triad : 3 * triad + 3] *= factor
@@ -55,13 +55,13 @@ def test_a_factor_common_to_a_triad_is_a_setting(triad: int, factor: float) -> N
     np.testing.assert_allclose(found.applied(MADE.t, undone), readings, rtol=1e-6, atol=1e-12)
 
 
-def test_one_axis_off_by_a_factor_is_no_setting_of_the_triad() -> None:
+def test_one_axis_off_by_a_factor_is_no_setting_of_the_triad():
     readings = noisy(mean_readings(MADE), 3)
     readings[:, 1] *= 2.0
     assert settings(readings) == ()
 
 
-def test_an_unusual_factor_about_one_axis_alone_may_be_the_tables() -> None:
+def test_an_unusual_factor_about_one_axis_alone_may_be_the_tables():
     made = MADE
     rate = made.rate.copy()
     rate[:, :2] = 0.0
@@ -74,7 +74,7 @@ def test_an_unusual_factor_about_one_axis_alone_may_be_the_tables() -> None:
         assert [one.factor for one in found if isinstance(one, RangeSetting)] == expected
 
 
-def test_readings_that_do_not_follow_the_motion_have_no_setting() -> None:
+def test_readings_that_do_not_follow_the_motion_have_no_setting():
     readings = noisy(mean_readings(MADE), 5)
     readings[:, :3] = 0.4 * np.roll(readings[:, :3], 900, axis=0)
     assert settings(readings) == ()
@@ -82,7 +82,7 @@ def test_readings_that_do_not_follow_the_motion_have_no_setting() -> None:
 
 @pytest.mark.parametrize("triad", [0, 1])
 @pytest.mark.parametrize("matrix", [SWAPPED, np.diag([1.0, -1.0, 1.0]), QUARTER])
-def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad: int, matrix: np.ndarray) -> None:
+def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad, matrix):
     right = noisy(mean_readings(MADE), 6)
     readings = right.copy()
     own = slice(3 * triad, 3 * triad + 3)
@@ -94,7 +94,7 @@ def test_axes_of_one_triad_exchanged_or_inverted_are_told(triad: int, matrix: np
     assert found.indistinguishable == ()
 
 
-def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_own() -> None:
+def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_own():
     right = noisy(mean_readings(MADE), 7)
     readings = np.hstack([right[:, :3] @ QUARTER.T, right[:, 3:] @ QUARTER.T])
     found = settings(readings)
@@ -103,7 +103,7 @@ def test_both_triads_turned_alike_may_be_the_mount_and_of_a_tracked_body_is_its_
     assert settings(readings, tracked=True) == ()
 
 
-def test_a_turn_that_gravity_does_not_show_is_that_of_a_tracked_body_too() -> None:
+def test_a_turn_that_gravity_does_not_show_is_that_of_a_tracked_body_too():
     """Level all the time: turned about its vertical the accelerometers read as they did."""
     level = replace(MADE, up=np.tile([0.0, 0.0, 1.0], (len(MADE.t), 1)))
     readings = noisy(mean_readings(level), 7)
@@ -114,7 +114,7 @@ def test_a_turn_that_gravity_does_not_show_is_that_of_a_tracked_body_too() -> No
     assert found.indistinguishable == ("reference_frame",)
 
 
-def test_axes_and_range_are_undone_together() -> None:
+def test_axes_and_range_are_undone_together():
     right = counted(noisy(mean_readings(MADE), 8))
     readings = right.copy()
     readings[:, :3] = 4.0 * right[:, :3] @ SWAPPED.T
@@ -125,7 +125,7 @@ def test_axes_and_range_are_undone_together() -> None:
     np.testing.assert_allclose(readings, right, rtol=1e-6, atol=1e-12)
 
 
-def test_gravity_that_a_driver_took_off_is_put_back() -> None:
+def test_gravity_that_a_driver_took_off_is_put_back():
     right = noisy(mean_readings(MADE), 8)
     removed = right.copy()
     removed[:, 3:] -= MADE.force
@@ -147,14 +147,14 @@ def readings() -> np.ndarray:
     return noisy(mean_readings(MADE_SETTLING), 1)
 
 
-def test_ends_like_the_rest_are_used() -> None:
+def test_ends_like_the_rest_are_used():
     masked, remarks = find_settling(readings(), MADE_SETTLING)
     assert not masked.any()
     assert remarks == ()
 
 
 @pytest.mark.parametrize("tau", [0.01, 0.05, 0.1])
-def test_a_filter_that_begins_empty_is_left_out_until_it_has_settled(tau: float) -> None:
+def test_a_filter_that_begins_empty_is_left_out_until_it_has_settled(tau):
     made = readings()
     made *= -np.expm1(-MADE_SETTLING.t / tau)[:, None]
     masked, (remark,) = find_settling(made, MADE_SETTLING)
@@ -166,7 +166,7 @@ def test_a_filter_that_begins_empty_is_left_out_until_it_has_settled(tau: float)
 
 
 @pytest.mark.parametrize("row", [0, -1])
-def test_one_torn_row_at_an_end_is_left_out(row: int) -> None:
+def test_one_torn_row_at_an_end_is_left_out(row):
     made = readings()
     made[row] = 0.0
     events = events_in_readings(made, MADE_SETTLING)
@@ -175,13 +175,13 @@ def test_one_torn_row_at_an_end_is_left_out(row: int) -> None:
     assert len(events.remarks) == 1
 
 
-def test_a_drift_that_is_fastest_at_the_start_is_used() -> None:
+def test_a_drift_that_is_fastest_at_the_start_is_used():
     made = readings()
     made += 0.05 * np.exp(-MADE_SETTLING.t / 20.0)[:, None]
     assert not find_settling(made, MADE_SETTLING)[0].any()
 
 
-def test_readings_that_are_late_at_every_ramp_are_used() -> None:
+def test_readings_that_are_late_at_every_ramp_are_used():
     made = np.roll(readings(), 8, axis=0)
     made[:8] = made[8]
     assert not find_settling(made, MADE_SETTLING)[0].any()

@@ -1,10 +1,11 @@
-"""Lines are detected in what a regression leaves, and nothing in noise."""
+"""Lines and bursts are detected in what a regression leaves, and nothing in noise."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from tasks.explain.events.bursts import Ringing
 from tasks.explain.events.detect import events_in_readings, events_in_residual
 from tasks.explain.events.event import Event, Events
 from tasks.explain.events.lines import mains_of
@@ -38,14 +39,21 @@ def _on_table(made: Motion) -> Motion:
     return replace(made, axes=TableAxes(angle, speed, directions, made.up))
 
 
+def _rung(
+    made: Motion, starts: np.ndarray, wave: np.ndarray, hertz: float, decay: float
+) -> np.ndarray:
+    gain = np.where(wave != 0, 100.0, 0.0)
+    return Ringing(np.sort(starts), wave, gain, hertz, decay).signal(made.t)
+
+
 @pytest.mark.parametrize("seed", range(3))
-def test_nothing_is_detected_in_noise(seed: int) -> None:
+def test_nothing_is_detected_in_noise(seed):
     made = _on_table(motion())
     assert _detected(made, _noise(made, seed)).events == ()
 
 
-def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
-    made = motion(minutes=6.0)
+def test_mains_and_its_alias_are_named_and_other_lines_are_not():
+    made = motion(minutes=4.0)
     for frequency, effect in ((60.03, "mains_pickup"), (17.3, "unnamed")):
         wave = np.cos(2 * np.pi * frequency * made.t + 1.0)
         left = _noise(made, 10)
@@ -64,10 +72,8 @@ def test_mains_and_its_alias_are_named_and_other_lines_are_not() -> None:
 @pytest.mark.parametrize(  # waves: of the beat with half the sample rate
     ("waves", "phase"), [(1.2, 0.0), (1.2, 1.6), (1.7, 0.8), (3.4, 0.0), (3.4, 1.6)]
 )
-def test_mains_at_nearly_half_the_sample_rate_have_their_amplitude(
-    waves: float, phase: float
-) -> None:
-    made = motion(minutes=6.0)
+def test_mains_at_nearly_half_the_sample_rate_have_their_amplitude(waves, phase):
+    made = motion(minutes=4.0)
     frequency = 0.5 * RATE - waves / made.t[-1]
     left = _noise(made, 31)
     left[:, 1] += 1e-4 * np.cos(2 * np.pi * frequency * made.t + phase)
@@ -76,7 +82,7 @@ def test_mains_at_nearly_half_the_sample_rate_have_their_amplitude(
     assert _value(event, "gyro_y") == pytest.approx(1e-4, rel=0.2)
 
 
-def test_of_a_body_with_tracked_poses_the_mains_alone_are_a_line() -> None:
+def test_of_a_body_with_tracked_poses_the_mains_alone_are_a_line():
     tracked = replace(motion(), tracking=Tracking(8.0, 8.0, 0.01, 1e-8, 1e-8))
     for frequency, effects in ((49.97, ["mains_pickup"]), (17.3, [])):
         left = _noise(tracked, 10)
@@ -84,7 +90,7 @@ def test_of_a_body_with_tracked_poses_the_mains_alone_are_a_line() -> None:
         assert [event.effect for event in _detected(tracked, left).events] == effects
 
 
-def test_a_channel_that_reads_one_value_throughout_is_not_used_and_it_is_said() -> None:
+def test_a_channel_that_reads_one_value_throughout_is_not_used_and_it_is_said():
     made = motion()
     readings = noisy(np.hstack([made.rate, made.force]), 5)
     readings[:, 1] = 0.0
@@ -95,7 +101,7 @@ def test_a_channel_that_reads_one_value_throughout_is_not_used_and_it_is_said() 
     assert "陀螺 y" in say(constant, "zh").replace("陀螺y", "陀螺 y")
 
 
-def test_harmonic_is_the_mains_only_beside_its_fundamental() -> None:
+def test_harmonic_is_the_mains_only_beside_its_fundamental():
     made = motion()
     left = _noise(made, 22)
     left[:, 4] += 1e-3 * np.cos(2 * np.pi * 2 * 60.01 * made.t)
@@ -106,7 +112,7 @@ def test_harmonic_is_the_mains_only_beside_its_fundamental() -> None:
     assert _value(event, "accel_y_2") == pytest.approx(1e-3, rel=0.2)
 
 
-def test_line_that_is_there_only_while_the_table_turns_is_not_a_line() -> None:
+def test_line_that_is_there_only_while_the_table_turns_is_not_a_line():
     made = motion()
     turns = np.abs(made.rate).max(axis=1) > 1
     left = _noise(made, 11)
@@ -114,7 +120,7 @@ def test_line_that_is_there_only_while_the_table_turns_is_not_a_line() -> None:
     assert _detected(made, left).events == ()
 
 
-def test_a_line_below_half_the_mean_rate_is_found_though_most_steps_are_longer() -> None:
+def test_a_line_below_half_the_mean_rate_is_found_though_most_steps_are_longer():
     """Stamps of which a few steps are shorter: half the rate of the usual step lies lower."""
     made = motion()
     steps = np.full(len(made.t), 1.001 / RATE)
@@ -127,14 +133,14 @@ def test_a_line_below_half_the_mean_rate_is_found_though_most_steps_are_longer()
     assert line == pytest.approx(hertz, abs=1.0 / stamped.t[-1])
 
 
-def test_mains_on_either_side_of_a_fold_cannot_be_told_apart() -> None:
+def test_mains_on_either_side_of_a_fold_cannot_be_told_apart():
     harmonic, sources = mains_of(49.92, RATE) or (0, ())
     assert harmonic == 1
     assert sources == pytest.approx((49.92, 50.08))
     assert mains_of(31.0, RATE) is None
 
 
-def test_line_before_lost_samples_goes_on_after_them() -> None:
+def test_line_before_lost_samples_goes_on_after_them():
     made = motion(minutes=6.0)
     taken = np.delete(np.arange(len(made.t)), [12_710])
     wave = 1e-3 * np.cos(2 * np.pi * 17.3 * made.t)
@@ -151,14 +157,36 @@ def test_line_before_lost_samples_goes_on_after_them() -> None:
     assert added[:-1, 4] == pytest.approx(wave[taken][:-1], abs=2e-4)
 
 
-def test_step_is_no_line() -> None:
-    made = motion(minutes=6.0)
+def test_bursts_are_counted_and_taken_away_by_what_they_have_in_common():
+    made = motion(minutes=10.0)
+    even = np.array([53.0, 112.2, 193.4, 213.9, 373.3, 454.6])
+    wave = np.array([0, 4e-3, 2e-3j, 0, 0, 0])
+    bursts = _rung(made, even, wave, 2.3, 1.1)
+    (event,) = _detected(made, _noise(made, 25) + bursts).events
+    assert event.effect == "unnamed"
+    assert event.channels == (1, 2)
+    assert _value(event, "bursts") == len(even)
+    assert _value(event, "frequency") == pytest.approx(2.3, abs=0.05)
+    assert _value(event, "decay") == pytest.approx(1.1, rel=0.3)
+    added = event.applied(made.t, np.zeros((len(made.t), 6)))
+    assert ((added - bursts) ** 2).sum() < 0.2 * (bursts**2).sum()
+
+
+def test_what_swings_after_every_move_is_no_burst():
+    made = motion(minutes=10.0)
+    moves = np.arange(8.0, 590.0, 20.0)
+    left = _noise(made, 26) + _rung(made, moves, np.array([0, 3e-3, 0, 0, 0, 0j]), 2.3, 1.1)
+    assert _detected(made, left).events == ()
+
+
+def test_step_is_no_burst():
+    made = motion(minutes=4.0)
     left = _noise(made, 27)
     left[made.t > 133.0, 4] += 0.02
     assert _detected(made, left).events == ()
 
 
-def test_short_absent_or_dead_channels_are_no_events() -> None:
+def test_short_absent_or_dead_channels_are_no_events():
     made = _on_table(motion())
     left = _noise(made, 28)
     left[:, 3:] = np.nan
@@ -196,7 +224,7 @@ def _readings(t: np.ndarray, hum: float) -> np.ndarray:
 
 
 @pytest.mark.parametrize("jitter", [0.0, 4e-3])
-def test_a_hum_that_dominates_is_found_beside_the_lines_of_a_late_clock(jitter: float) -> None:
+def test_a_hum_that_dominates_is_found_beside_the_lines_of_a_late_clock(jitter):
     t = np.arange(12_000) / RATE_DOMINANT_LINES
     t += jitter * (np.random.default_rng(8).random(len(t)) - 0.5)
     t = np.round(t, 3)  # s, as a logger writes it
@@ -207,12 +235,12 @@ def test_a_hum_that_dominates_is_found_beside_the_lines_of_a_late_clock(jitter: 
     assert sizes["gyro_z"] == pytest.approx(2.3, rel=0.01)
 
 
-def test_what_a_late_clock_leaves_of_a_periodic_motion_is_no_line() -> None:
+def test_what_a_late_clock_leaves_of_a_periodic_motion_is_no_line():
     t = np.arange(12_000) / RATE_DOMINANT_LINES
     assert events_in_readings(_readings(t, 0.0), _motion(t)).lines == ()
 
 
-def test_what_a_lever_arm_makes_of_a_periodic_motion_is_no_line() -> None:
+def test_what_a_lever_arm_makes_of_a_periodic_motion_is_no_line():
     t = np.arange(12_000) / RATE_DOMINANT_LINES
     motion, readings = _motion(t), _readings(t, 0.0)
     readings[:, 3] -= 0.08 * motion.rate[:, 2] ** 2
@@ -220,13 +248,13 @@ def test_what_a_lever_arm_makes_of_a_periodic_motion_is_no_line() -> None:
     assert events_in_readings(readings, motion).lines == ()
 
 
-def test_poses_do_not_show_how_a_body_hums() -> None:
+def test_poses_do_not_show_how_a_body_hums():
     t = np.arange(12_000) / RATE_DOMINANT_LINES
     tracked = replace(_motion(t), tracking=Tracking(8.0, 8.0, 0.01, 1e-8, 1e-8))
     assert events_in_readings(_readings(t, 2.3), tracked).lines == ()
 
 
-def test_a_line_removed_before_is_found_again_beside_the_fit() -> None:
+def test_a_line_removed_before_is_found_again_beside_the_fit():
     t = np.arange(12_000) / RATE_DOMINANT_LINES
     motion, readings = _motion(t), _readings(t, 2.3)
     late = np.column_stack([0 * t, 0 * t, _speed(t - DELAY)])

@@ -5,12 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.events.detect import events_in_readings
-from tasks.explain.events.event import Events
 from tasks.explain.events.rest import find_bias_at_rest, mean_within
 from tasks.motion.whole import Motion
-from tasks.words import texts
-from tests.tasks.explain.events.made_up import SIGMA, counted, mean_readings, motion, noisy
+from tests.tasks.explain.events.made_up import (
+    SIGMA,
+    counted,
+    found_in,
+    mean_readings,
+    motion,
+    noisy,
+)
 
 MADE, LONGER = motion(), motion(minutes=6.0)
 
@@ -22,21 +26,13 @@ def at_rest(made: Motion) -> np.ndarray:
 REST = at_rest(MADE)
 
 
-def found(readings: np.ndarray, made: Motion = MADE) -> Events:
-    events = events_in_readings(readings, made)
-    assert all(all(texts(event.description).values()) for event in events.events)
-    return events
-
-
 @pytest.mark.parametrize(("threshold", "steps"), [(0.003, (1e-4, 2e-3)), (0.02, None)])
-def test_small_rates_set_to_zero_are_told_with_their_threshold(
-    threshold: float, steps: tuple[float, float] | None
-) -> None:
+def test_small_rates_set_to_zero_are_told_with_their_threshold(threshold, steps):
     readings = noisy(mean_readings(LONGER), 1)
     readings = readings if steps is None else counted(readings, steps)
     gyros = readings[:, :3]
     gyros[np.abs(gyros) < threshold] = 0.0
-    events = found(readings, LONGER)
+    events = found_in(readings, LONGER)
     assert [event.effect for event in events.events] == ["dead_zone"]
     (event,) = events.events
     assert event.channels == (0, 1, 2)
@@ -46,14 +42,14 @@ def test_small_rates_set_to_zero_are_told_with_their_threshold(
     assert not events.masked[:, 3:].any()
 
 
-def test_a_hole_that_no_motion_exceeds_says_nothing() -> None:
+def test_a_hole_that_no_motion_exceeds_says_nothing():
     readings = noisy(mean_readings(MADE), 1)
     alone = 0.05 * np.random.default_rng(5).standard_normal(len(readings))
     readings[:, 0] = np.where(np.abs(alone) < 0.04, 0.0, alone)
-    assert "dead_zone" not in [event.effect for event in found(readings).events]
+    assert "dead_zone" not in [event.effect for event in found_in(readings, MADE).events]
 
 
-def test_what_a_threshold_takes_is_the_mean_within_it() -> None:
+def test_what_a_threshold_takes_is_the_mean_within_it():
     noise = np.random.default_rng(2).standard_normal(400_000)
     for mean in (-1.0, 0.2, 1.4):
         read = np.where(np.abs(mean + noise) < 1.0, 0.0, mean + noise)
@@ -61,50 +57,50 @@ def test_what_a_threshold_takes_is_the_mean_within_it() -> None:
         assert read.mean() == pytest.approx(mean - lost, abs=5e-3)
 
 
-def test_zeros_that_a_logger_filled_in_are_no_dead_zone() -> None:
+def test_zeros_that_a_logger_filled_in_are_no_dead_zone():
     readings = counted(noisy(mean_readings(MADE), 3))
     lost = np.random.default_rng(4).choice(len(readings), 300, replace=False)
     readings[lost, :3] = 0.0
-    assert "dead_zone" not in [event.effect for event in found(readings).events]
+    assert "dead_zone" not in [event.effect for event in found_in(readings, MADE).events]
 
 
 @pytest.mark.parametrize(
     ("seed", "steps"), [(0, (1e-4, 2e-3)), (1, (2e-3, 0.01)), (2, (0.01, 0.1))]
 )
-def test_steps_through_zero_are_no_dead_zone(seed: int, steps: tuple[float, float]) -> None:
+def test_steps_through_zero_are_no_dead_zone(seed, steps):
     mean = mean_readings(MADE) - np.repeat([0.004, 0.0], 3)
-    events = found(counted(noisy(mean, seed), steps))
+    events = found_in(counted(noisy(mean, seed), steps), MADE)
     assert "dead_zone" not in [event.effect for event in events.events]
 
 
-def test_a_bias_taken_off_at_each_rest_is_told() -> None:
+def test_a_bias_taken_off_at_each_rest_is_told():
     readings, rests = noisy(mean_readings(LONGER), 7), at_rest(LONGER).astype(int)
     edges = np.flatnonzero(np.diff(rests, prepend=0, append=0)).reshape(-1, 2)
     for start, stop in edges:
         readings[start:stop, :3] -= readings[start:stop, :3].mean(axis=0)
         half = (start + stop) // 2
         readings[half:stop, :3] -= readings[half:stop, :3].mean(axis=0)
-    events = found(readings, LONGER)
+    events = found_in(readings, LONGER)
     assert [event.effect for event in events.events] == ["dead_zone"]
     assert events.events[0].channels == (0, 1, 2)
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_a_bias_taken_off_once_is_no_dead_zone(seed: int) -> None:
+def test_a_bias_taken_off_once_is_no_dead_zone(seed):
     readings = noisy(mean_readings(MADE), seed)
     readings[:, :3] -= readings[REST, :3].mean(axis=0)
-    assert found(readings).events == ()
+    assert found_in(readings, MADE).events == ()
     assert SIGMA[0] > 0.0
 
 
 @pytest.mark.parametrize("steps", [None, (1e-4, 2e-3)])
-def test_a_threshold_taken_off_all_readings_is_told(steps: tuple[float, float] | None) -> None:
+def test_a_threshold_taken_off_all_readings_is_told(steps):
     readings = noisy(mean_readings(MADE), 1)
     readings = readings if steps is None else counted(readings, steps)
     right, threshold = readings.copy(), 0.02
     gyros = readings[:, :3]
     readings[:, :3] = np.sign(gyros) * np.maximum(np.abs(gyros) - threshold, 0.0)
-    events = found(readings)
+    events = found_in(readings, MADE)
     assert [event.effect for event in events.events] == ["dead_zone"]
     for parameter in events.events[0].parameters:
         assert parameter.value == pytest.approx(threshold, rel=0.02)
@@ -113,17 +109,17 @@ def test_a_threshold_taken_off_all_readings_is_told(steps: tuple[float, float] |
     assert np.nanmax(np.abs(off)) < 0.05 * threshold
 
 
-def test_zeros_are_told_by_a_reference_that_errs_slowly() -> None:
+def test_zeros_are_told_by_a_reference_that_errs_slowly():
     """As tracked poses do: neighbouring predictions err alike."""
     threshold, readings = 0.004, noisy(mean_readings(MADE), 6)
     gyros = readings[:, :3]
     gyros[np.abs(gyros) < threshold] = 0.0
     off = 0.008 * np.sin(2.0 * np.pi * 0.3 * MADE.t)[:, None] * np.ones(3)
-    events = events_in_readings(readings, replace(MADE, rate=MADE.rate + off))
+    events = found_in(readings, replace(MADE, rate=MADE.rate + off))
     assert "dead_zone" in [event.effect for event in events.events]
 
 
-def test_a_fixture_that_swings_as_each_rest_begins_is_no_bias_taken_off() -> None:
+def test_a_fixture_that_swings_as_each_rest_begins_is_no_bias_taken_off():
     readings = noisy(mean_readings(MADE), 15)
     readings[:, :3] -= 0.004  # a unit whose bias has been corrected
     starts = np.flatnonzero(np.diff(REST.astype(int)) > 0) + 1
@@ -131,7 +127,7 @@ def test_a_fixture_that_swings_as_each_rest_begins_is_no_bias_taken_off() -> Non
         since = MADE.t[start : start + 200] - MADE.t[start]
         swing = 0.02 * np.exp(-since / 0.3) * np.cos(2.0 * np.pi * 1.6 * since)
         readings[start : start + 200, :3] += swing[:, None]
-    assert "dead_zone" not in [event.effect for event in found(readings).events]
+    assert "dead_zone" not in [event.effect for event in found_in(readings, MADE).events]
 
 
 # A bias that the firmware follows at rest is found with its constants; a warm-up is not.
@@ -152,9 +148,7 @@ def followed(readings: np.ndarray, quiet: float, wait: float, tau: float) -> np.
 
 
 @pytest.mark.parametrize(("quiet", "wait", "tau"), [(0.05, 1.0, 0.8), (0.03, 0.6, 2.0)])
-def test_a_bias_followed_at_rest_is_found_and_put_back(
-    quiet: float, wait: float, tau: float
-) -> None:
+def test_a_bias_followed_at_rest_is_found_and_put_back(quiet, wait, tau):
     readings = noisy(mean_readings(MADE_BIAS_AT_REST), 1)
     written = followed(readings, quiet, wait, tau)
     event = find_bias_at_rest(written, MADE_BIAS_AT_REST)
@@ -166,13 +160,13 @@ def test_a_bias_followed_at_rest_is_found_and_put_back(
 
 
 @pytest.mark.parametrize("tau", [2.0, 20.0, 60.0])
-def test_a_bias_that_warms_up_is_not_one_followed_at_rest(tau: float) -> None:
+def test_a_bias_that_warms_up_is_not_one_followed_at_rest(tau):
     readings = noisy(mean_readings(MADE_BIAS_AT_REST), 3)
     readings[:, :3] += np.array([6e-3, -4e-3, 2e-3]) * np.exp(-MADE_BIAS_AT_REST.t / tau)[:, None]
     assert find_bias_at_rest(readings, MADE_BIAS_AT_REST) is None
 
 
-def test_a_step_after_one_quiet_moment_is_no_firmware() -> None:
+def test_a_step_after_one_quiet_moment_is_no_firmware():
     """All gyros read little for 0.4 s by chance, and their bias steps there: no estimate follows
     a bias within the little that is left of that beyond the wait.
     """

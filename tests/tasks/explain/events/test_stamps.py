@@ -5,14 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tasks.explain.events.detect import events_in_readings
 from tasks.explain.events.event import Events
 from tasks.explain.events.stamps import LostSamples, find_lost_samples
 from tasks.motion.samples import interpolated
 from tasks.motion.whole import Motion
-from tasks.readings.stamps import window_delays
-from tasks.words import say, texts
-from tests.tasks.explain.events.made_up import counted, mean_readings, motion, noisy
+from tasks.words import say
+from tests.tasks.explain.events.made_up import counted, found_in, mean_readings, motion, noisy
 
 MADE = motion(minutes=2.0)
 COUNT = len(MADE.t)
@@ -29,13 +27,11 @@ def jitter(size: float, seed: int) -> np.ndarray:
 
 def found(t: np.ndarray, readings: np.ndarray) -> Events:
     """What is found in readings stamped t, beside the motion at these stamps."""
-    events = events_in_readings(readings, replace(moved(t), t=t))
-    assert all(all(texts(event.description).values()) for event in events.events)
-    return events
+    return found_in(readings, replace(moved(t), t=t))
 
 
 @pytest.mark.parametrize("size", [3e-4, 1e-3, 2.5e-3])
-def test_stamps_that_scatter_about_even_sampling_are_told(size: float) -> None:
+def test_stamps_that_scatter_about_even_sampling_are_told(size):
     t = MADE.t + jitter(size, 1)
     events = found(t, counted(noisy(mean_readings(MADE), 2)))
     assert [event.effect for event in events.events] == ["timestamp_jitter"]
@@ -46,7 +42,7 @@ def test_stamps_that_scatter_about_even_sampling_are_told(size: float) -> None:
 
 
 @pytest.mark.parametrize(("first", "size"), [(0, 300), (4000, 300), (2500, 90)])
-def test_a_backlog_is_no_part_of_the_jitter_and_moves_no_other_stamp(first: int, size: int) -> None:
+def test_a_backlog_is_no_part_of_the_jitter_and_moves_no_other_stamp(first, size):
     scatter = jitter(2e-3, 6)
     t = MADE.t + scatter
     last = t[first + size - 1]
@@ -62,26 +58,26 @@ def test_a_backlog_is_no_part_of_the_jitter_and_moves_no_other_stamp(first: int,
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_uneven_sampling_with_right_stamps_is_no_jitter(seed: int) -> None:
+def test_uneven_sampling_with_right_stamps_is_no_jitter(seed):
     t = MADE.t + jitter(1e-3, seed)
     readings = counted(noisy(mean_readings(moved(t)), seed + 10))
     assert "timestamp_jitter" not in [event.effect for event in found(t, readings).events]
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_even_stamps_do_not_scatter(seed: int) -> None:
+def test_even_stamps_do_not_scatter(seed):
     readings = counted(noisy(mean_readings(MADE), seed + 20))
     assert found(MADE.t, readings).events == ()
 
 
 @pytest.mark.parametrize("seed", range(2))
-def test_coarse_steps_do_not_deny_stamps_that_are_right(seed: int) -> None:
+def test_coarse_steps_do_not_deny_stamps_that_are_right(seed):
     t = MADE.t + jitter(1e-3, seed)
     readings = counted(noisy(mean_readings(moved(t)), seed), (0.02, 0.1))
     assert "timestamp_jitter" not in [event.effect for event in found(t, readings).events]
 
 
-def test_stamps_that_close_up_to_a_batch_s_arrival_are_told() -> None:
+def test_stamps_that_close_up_to_a_batch_s_arrival_are_told():
     away = (5 - np.arange(COUNT) % 6) / 100.0
     t = MADE.t + 0.9 * (away - away.mean())
     events = found(t, counted(noisy(mean_readings(MADE), 5)))
@@ -90,12 +86,12 @@ def test_stamps_that_close_up_to_a_batch_s_arrival_are_told() -> None:
     assert np.std(events.events[0].sampled_at(t) - MADE.t) < 1e-3
 
 
-def test_a_noisy_reference_does_not_hide_stamps_that_scatter() -> None:
+def test_a_noisy_reference_does_not_hide_stamps_that_scatter():
     t = MADE.t + jitter(1e-3, 6)
     readings = counted(noisy(mean_readings(MADE), 7))
     observed = replace(moved(t), t=t)
     rough = observed.rate + 0.03 * np.random.default_rng(8).standard_normal(observed.rate.shape)
-    events = events_in_readings(readings, replace(observed, rate=rough))
+    events = found_in(readings, replace(observed, rate=rough))
     assert "timestamp_jitter" in [event.effect for event in events.events]
 
 
@@ -134,14 +130,14 @@ def losses(readings: np.ndarray, start: float = 0.0) -> LostSamples | None:
 
 
 @pytest.mark.parametrize("lost", [3, 8, 9, 20])
-def test_lost_samples_are_counted_across_periods_of_a_resonance(lost: int) -> None:
+def test_lost_samples_are_counted_across_periods_of_a_resonance(lost):
     found = losses(read(lost, 31.0))
     assert found is not None
     assert found.lost.tolist() == [lost]
     assert found.times == pytest.approx([31.0], abs=0.05)
 
 
-def test_times_are_told_on_the_clock_of_the_recording() -> None:
+def test_times_are_told_on_the_clock_of_the_recording():
     found = losses(read(9, 31.0), start=5000.0)
     assert found is not None
     values = {each.name: each.value for each in found.parameters}
@@ -149,23 +145,8 @@ def test_times_are_told_on_the_clock_of_the_recording() -> None:
     assert "at 5031 s" in say(found.description, "en")
 
 
-def test_a_constant_delay_is_no_loss() -> None:
+def test_a_constant_delay_is_no_loss():
     assert losses(read(0, 31.0)) is None
-
-
-def test_every_window_has_its_delay() -> None:
-    delays = window_delays(T, 0.01, read(9, 32.0)[:, :3], shaft().rate)
-    assert delays is not None
-    before = delays.at < 32.0
-    assert delays.delay[before] == pytest.approx(np.full(before.sum(), -LATE), abs=0.15)
-    assert delays.delay[~before] == pytest.approx(np.full((~before).sum(), 9 - LATE), abs=0.15)
-    assert delays.cost(delays.delay).max() < 1.0
-    assert (delays.cost(delays.delay + 3.0) > 10.0).all()
-
-
-def test_rests_tell_no_delay() -> None:
-    still = 0.02 * np.random.default_rng(4).standard_normal((len(T), 3))
-    assert window_delays(T, 0.01, still, shaft(moved=0.0).rate) is None
 
 
 def ladder(t: np.ndarray) -> np.ndarray:
@@ -177,7 +158,7 @@ def ladder(t: np.ndarray) -> np.ndarray:
 
 
 @pytest.mark.parametrize(("ramps", "is_found"), [(5, True), (3, True), (1, False)])
-def test_a_loss_with_three_ramps_on_either_side_is_found(ramps: int, *, is_found: bool) -> None:
+def test_a_loss_with_three_ramps_on_either_side_is_found(ramps, *, is_found):
     at = 6.0 * ramps - 2.0
     turning = shaft().rate.copy()
     turning[:, 1] = ladder(T)

@@ -54,7 +54,7 @@ def samples(blocks: Blocks, step: int) -> np.ndarray:
 
 
 @pytest.mark.parametrize("rate", [25.0, 20.0, 50.0, 100.0, 400.0])
-def test_every_sample_is_kept_once(rate: float) -> None:
+def test_every_sample_is_kept_once(rate):
     full = full_rate(rested())
     blocks = block_means(full, rate)
     step = max(1, round(RATE / rate))
@@ -65,7 +65,7 @@ def test_every_sample_is_kept_once(rate: float) -> None:
     assert np.diff(blocks.t) == pytest.approx(step / RATE)
 
 
-def test_samples_that_are_masked_or_not_a_number_do_not_count() -> None:
+def test_samples_that_are_masked_or_not_a_number_do_not_count():
     def spoilt(readings: np.ndarray) -> np.ndarray:
         readings[333:351, 1] = np.nan
         return readings
@@ -82,7 +82,7 @@ def test_samples_that_are_masked_or_not_a_number_do_not_count() -> None:
     assert (blocks.readings[blocks.weight == 0] == 0).all()
 
 
-def test_rows_that_were_not_recorded_leave_empty_blocks() -> None:
+def test_rows_that_were_not_recorded_leave_empty_blocks():
     full = full_rate(rested(drop=np.r_[1000:1023]))
     blocks = block_means(full, 25.0)
     assert (blocks.weight[:, 0] == 0).sum() == 5  # whole blocks of 23 missing samples
@@ -91,7 +91,7 @@ def test_rows_that_were_not_recorded_leave_empty_blocks() -> None:
     assert blocks.motion.known.sum() == len(blocks.t) - 5
 
 
-def test_a_block_at_the_corner_of_a_motion_weighs_little() -> None:
+def test_a_block_at_the_corner_of_a_motion_weighs_little():
     """The table begins to turn between two samples; nobody knows when exactly."""
     full = full_rate(rested())
     t, began = full.motion.t, 31.234
@@ -109,7 +109,7 @@ def test_a_block_at_the_corner_of_a_motion_weighs_little() -> None:
     assert blocks.weight[away, :3].min() > 0.9
 
 
-def test_a_shaken_segment_weighs_less_and_says_so() -> None:
+def test_a_shaken_segment_weighs_less_and_says_so():
     """Three times the noise while it turns is vibration: nine times the variance."""
 
     def shaken(readings: np.ndarray) -> np.ndarray:
@@ -124,7 +124,7 @@ def test_a_shaken_segment_weighs_less_and_says_so() -> None:
     np.testing.assert_allclose(blocks.weight[rest_variance], 1.0, rtol=1e-6)
 
 
-def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> None:
+def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it():
     coarse, fine = 0.01, 1e-3  # m/s²: the noise is 2e-3
 
     def rounded(step: float) -> np.ndarray:
@@ -137,7 +137,7 @@ def test_rounding_has_a_floor_that_averages_out_only_where_noise_stirs_it() -> N
     assert (plain < (0.1 * SIGMA[3:]) ** 2).all()
 
 
-def test_a_recording_that_tells_no_motion_is_refused() -> None:
+def test_a_recording_that_tells_no_motion_is_refused():
     recording = rested()
     silent = recording.manifest.model_copy(update={"segments": None})
     with pytest.raises(Unusable, match="does not show how the unit moved"):
@@ -158,7 +158,7 @@ def on_a_shaft(step: float) -> Recording:
     return Recording(manifest, Stream(t, columns), table=Stream(t, {"shaft_angle": read}))
 
 
-def test_turning_weighs_less_where_the_encoder_is_coarse() -> None:
+def test_turning_weighs_less_where_the_encoder_is_coarse():
     coarse = block_means(full_rate(on_a_shaft(np.radians(0.1))), 25.0)
     about = coarse.weight[:, 2]
     moving = (coarse.t > 22.0) & (coarse.t < 38.0)
@@ -166,13 +166,13 @@ def test_turning_weighs_less_where_the_encoder_is_coarse() -> None:
     assert np.median(coarse.weight[moving, 0]) > 0.7  # across the shaft nothing is coarse
 
 
-def test_an_exact_reference_leaves_the_weights_as_they_are() -> None:
+def test_an_exact_reference_leaves_the_weights_as_they_are():
     full = full_rate(on_a_shaft(0.0))
     exact = block_means(replace(full, reference_noise=EXACT), 25.0)
     assert block_means(full, 25.0).weight == pytest.approx(exact.weight, rel=1e-3, abs=1e-3)
 
 
-def test_readings_are_compared_only_up_to_where_poses_tell_the_motion() -> None:
+def test_readings_are_compared_only_up_to_where_poses_tell_the_motion():
     full = full_rate(recording())
     assert full.motion.tracking is not None
     blocks = block_means(full, 50.0)
@@ -181,7 +181,7 @@ def test_readings_are_compared_only_up_to_where_poses_tell_the_motion() -> None:
     assert blocks.used == pytest.approx(2.0 * blocks.band / 50.0 * (blocks.weight > 0).sum(), abs=1)
 
 
-def test_what_follows_products_of_rates_is_predicted_alike_on_blocks_and_rows() -> None:
+def test_what_follows_products_of_rates_is_predicted_alike_on_blocks_and_rows():
     reference = poses(turn_noise=0.01, place_noise=0.01)  # tells slow motion only
     full = full_rate(recording(reference=reference))
     standard = Model.of(STANDARD_TERMS)
@@ -195,7 +195,7 @@ def test_what_follows_products_of_rates_is_predicted_alike_on_blocks_and_rows() 
     assert off.std() < 0.01 * blocks.readings[used, 3:].std()
 
 
-def test_blocks_beside_a_gap_of_the_encoders_are_used_by_no_effect() -> None:
+def test_blocks_beside_a_gap_of_the_encoders_are_used_by_no_effect():
     """Delays and filters make a reading of its neighbours, which are not known there."""
     rests = rested()
     axis = TableAxis(name="table", direction=(0.0, 0.0, 1.0))
@@ -212,14 +212,14 @@ def test_blocks_beside_a_gap_of_the_encoders_are_used_by_no_effect() -> None:
     assert unused.max() == pytest.approx(21.0 + 5 / 25.0, abs=0.06)
 
 
-def test_rows_stamped_in_batches_leave_no_block_without_a_row() -> None:
+def test_rows_stamped_in_batches_leave_no_block_without_a_row():
     full = full_rate(on_a_shaft(np.radians(0.01)))
     late = 0.0075 * (4 - np.arange(len(full.motion.t)) % 5)  # s: stamped as each fifth arrives
     batches = replace(full, motion=replace(full.motion, t=full.motion.t + late - late[0]))
     assert (block_means(batches, 50.0).weight[:, 0] > 0.0).mean() > 0.9
 
 
-def test_a_recording_whose_motion_is_nowhere_known_on_end_is_refused() -> None:
+def test_a_recording_whose_motion_is_nowhere_known_on_end_is_refused():
     full = full_rate(rested())
     with pytest.raises(Unusable, match="known motion"):
         block_means(full, 25.0, np.ones(full.readings.shape, bool))

@@ -53,14 +53,14 @@ def run(
     return Recording(manifest, Stream(t, {name: values[:, c] for c, name in enumerate(names)}))
 
 
-def test_right_labels_stay() -> None:
+def test_right_labels_stay():
     recording = run(UPS)
     kept, remarks = with_usable_labels(recording)
     assert kept is recording
     assert remarks == ()
 
 
-def test_a_label_that_gravity_contradicts_is_left_out_and_named() -> None:
+def test_a_label_that_gravity_contradicts_is_left_out_and_named():
     full = full_rate(run(("+x", "-x", "+y", "-y", "-z", "-z")))
     assert [segment.name for segment in full.segments].count("rest4") == 0
     assert not full.motion.felt[4000:5000].any()
@@ -68,20 +68,20 @@ def test_a_label_that_gravity_contradicts_is_left_out_and_named() -> None:
     assert any("rest4" in say(remark, "en") for remark in full.remarks)
 
 
-def test_a_label_of_another_rate_is_left_out_and_named() -> None:
+def test_a_label_of_another_rate_is_left_out_and_named():
     full = full_rate(run(UPS, (-90.0, -45.0, 45.0, 60.0)))
     assert not full.motion.felt[9000:].any()
     assert any("turn9" in say(remark, "en") for remark in full.remarks)
 
 
-def test_labels_stay_where_most_are_contradicted_for_then_the_unit_is_wrong() -> None:
+def test_labels_stay_where_most_are_contradicted_for_then_the_unit_is_wrong():
     """x and y exchanged: four of six labels are not what gravity shows."""
     kept, remarks = with_usable_labels(run(("+y", "-y", "+x", "-x", "+z", "-z")))
     assert len(kept.manifest.segments or ()) == len(UPS) + len(TURNS)
     assert remarks == ()
 
 
-def test_gyros_alone_with_labels_that_tell_no_vertical_are_a_run() -> None:
+def test_gyros_alone_with_labels_that_tell_no_vertical_are_a_run():
     full = full_rate(run(UPS, gyro_only=True))
     assert full.motion.felt[:, :3].all()
     assert not full.motion.felt[:, 3:].any()
@@ -97,7 +97,7 @@ def touched(rows: slice, size: float) -> Recording:
     return replace(recording, imu=Stream(recording.imu.t, columns))
 
 
-def test_rows_in_which_a_rest_was_touched_are_not_used_and_it_is_said() -> None:
+def test_rows_in_which_a_rest_was_touched_are_not_used_and_it_is_said():
     recording = touched(slice(4985, 5000), -1.1)  # the end of the fifth rest: it moved already
     disturbed, (remark,) = disturbed_rows(recording)
     assert disturbed[4985:5000].all()
@@ -109,11 +109,11 @@ def test_rows_in_which_a_rest_was_touched_are_not_used_and_it_is_said() -> None:
     assert not masked[:4970].any()
 
 
-def test_a_level_that_stays_changed_is_no_disturbance() -> None:
+def test_a_level_that_stays_changed_is_no_disturbance():
     assert not disturbed_rows(touched(slice(4700, 5000), -1.1))[0].any()
 
 
-def test_where_an_encoder_tells_the_motion_nothing_is_left_out() -> None:
+def test_where_an_encoder_tells_the_motion_nothing_is_left_out():
     recording = touched(slice(4985, 5000), -1.1)
     table = Stream(recording.imu.t, {"outer_angle": np.zeros(len(recording.imu.t))})
     disturbed, remarks = disturbed_rows(replace(recording, table=table))
@@ -121,7 +121,7 @@ def test_where_an_encoder_tells_the_motion_nothing_is_left_out() -> None:
     assert remarks == ()
 
 
-def test_an_axis_whose_labels_are_all_contradicted_is_used_and_what_is_wrong_is_named() -> None:
+def test_an_axis_whose_labels_are_all_contradicted_is_used_and_what_is_wrong_is_named():
     inverted = run(("+x", "-x", "+y", "-y", "-z", "+z"))
     kept, remarks = with_usable_labels(inverted)
     assert kept is inverted
@@ -142,7 +142,7 @@ LOST = without_frames(8.0, 11.0)
 GAP = slice(1400, 2400)  # rows of 5 ms about it
 
 
-def test_samples_that_are_held_are_no_delay() -> None:
+def test_samples_that_are_held_are_no_delay():
     recording = on_a_shaft(0.0)
     held = np.arange(len(recording.imu.t)) // 4 * 4
     columns = {name: recording.imu.columns[name][held] for name in CHANNELS}
@@ -153,9 +153,7 @@ def test_samples_that_are_held_are_no_delay() -> None:
 
 
 @pytest.mark.parametrize(("late", "before", "behind"), [(0.0, 4, 5), (0.1, 0, 25)])
-def test_beside_lost_frames_nothing_is_compared_that_a_late_reading_needs(
-    late: float, before: int, behind: int
-) -> None:
+def test_beside_lost_frames_nothing_is_compared_that_a_late_reading_needs(late, before, behind):
     """It is interpolated between ten rows."""
     felt, known = (each[:, 0] for each in (LOST.felt, known_before(LOST, late)))
     last, first = np.flatnonzero(np.diff(felt[GAP].astype(int))) + GAP.start + (0, 1)
@@ -164,13 +162,13 @@ def test_beside_lost_frames_nothing_is_compared_that_a_late_reading_needs(
     assert (known == expected)[GAP].all()
 
 
-def test_rests_that_only_labels_tell_are_compared_whole() -> None:
+def test_rests_that_only_labels_tell_are_compared_whole():
     rests = replace(LOST, axes=None, tracking=None)
     assert (known_before(rests, 0.0) == rests.felt).all()
 
 
 @pytest.mark.rehearsal
-def test_the_acceleration_that_late_gyros_show_is_no_smaller_as_stamped() -> None:
+def test_the_acceleration_that_late_gyros_show_is_no_smaller_as_stamped():
     """Half a row between two rows: a straight line there would take 5 % of a swing at 1.2 Hz."""
     sparse = slice(None, None, 16)
     imu = readings(seconds=240.0, gyro_noise=1e-4)
@@ -202,12 +200,12 @@ def statement(**extra: Any) -> list[str]:
     return [say(remark, "en") for remark in clock_remarks(recording_remarks(**extra))]
 
 
-def test_the_clocks_part_of_a_delay_is_told_with_its_uncertainty() -> None:
+def test_the_clocks_part_of_a_delay_is_told_with_its_uncertainty():
     (document,) = statement(unit_clock=CLOCK)
     assert "4.0 ms ± 12.0 ms" in document
 
 
-def test_stamps_that_were_moved_to_the_tables_clock_leave_the_rest() -> None:
+def test_stamps_that_were_moved_to_the_tables_clock_leave_the_rest():
     (document,) = statement(unit_clock=CLOCK | {"offset_s": 7.001}, unit_clock_shift_s=7.0)
     assert "-1.0 ms ± 12.0 ms" in document
 
@@ -225,7 +223,7 @@ def test_stamps_that_were_moved_to_the_tables_clock_leave_the_rest() -> None:
     ids=["not compared", "too uncertain", "of an earlier version", "switched on again", "text",
          "no number"],
 )  # fmt: skip
-def test_what_is_not_known_well_enough_is_not_told(extra: dict[str, Any]) -> None:
+def test_what_is_not_known_well_enough_is_not_told(extra):
     assert statement(**extra) == []
 
 
@@ -233,7 +231,7 @@ def test_what_is_not_known_well_enough_is_not_told(extra: dict[str, Any]) -> Non
 
 
 @pytest.mark.parametrize("seconds", [3.0, -7.3])
-def test_labels_shifted_as_a_whole_are_put_right_and_told(seconds: float) -> None:
+def test_labels_shifted_as_a_whole_are_put_right_and_told(seconds):
     made = bench(2)
     on_time = [label["t_start"] for label in recorded(made).manifest.model_dump()["segments"]]
     mistakes.labels_late(made, seconds)
@@ -250,13 +248,13 @@ def test_labels_shifted_as_a_whole_are_put_right_and_told(seconds: float) -> Non
 BY_HAND = recording(readings(seconds=40.0), poses(seconds=40.0))
 
 
-def test_no_rest_is_shown_where_poses_turn() -> None:
+def test_no_rest_is_shown_where_poses_turn():
     (found,) = segments_of(BY_HAND)
     assert found.kind == "static"
     assert shown_segments(BY_HAND) == ()
 
 
-def test_labels_stay_as_they_are() -> None:
+def test_labels_stay_as_they_are():
     label = {"name": "rest", "kind": "static", "t_start": 25.0, "t_end": 35.0}
     manifest = BY_HAND.manifest
     labelled = manifest.model_validate({**manifest.model_dump(), "segments": [label]})

@@ -43,7 +43,7 @@ def moved(**more: tuple[float, ...]) -> Recording:
     return recording(readings(seconds=SECONDS, **more), poses(seconds=SECONDS))
 
 
-def test_the_turn_of_the_markers_is_taken_back() -> None:
+def test_the_turn_of_the_markers_is_taken_back():
     askew = marked_askew(moved())
     pose, (remark,) = in_unit_axes(askew, whole_motion(askew))
     assert pose is not None
@@ -71,9 +71,7 @@ TWO_EXCHANGED = ((0, 1, 0), (1, 0, 0), (0, 0, 1))
         (ACCEL, np.diag([1, 1, -1])), (GYRO, np.diag([1, -1, -1])),
     ],
 )  # fmt: skip
-def test_columns_that_are_exchanged_in_one_triad_are_no_turn_of_the_body(
-    names: tuple[str, ...], matrix: object
-) -> None:
+def test_columns_that_are_exchanged_in_one_triad_are_no_turn_of_the_body(names, matrix):
     askew = read_as(marked_askew(moved()), names, matrix)
     pose, (remark,) = in_unit_axes(askew, whole_motion(askew))
     assert pose is None
@@ -88,9 +86,7 @@ def test_columns_that_are_exchanged_in_one_triad_are_no_turn_of_the_body(
         ((0.5, 0.5, 2.0), (0.2, 2.0, 0.3)),
     ],
 )  # fmt: skip
-def test_clipped_rows_do_not_spoil_the_turn(
-    least: tuple[float, ...], most: tuple[float, ...]
-) -> None:
+def test_clipped_rows_do_not_spoil_the_turn(least, most):
     """least, most: limits of each gyro to either side, times its largest rate."""
     askew = marked_askew(moved())
     gyro = askew.imu.stack(GYRO)
@@ -104,7 +100,7 @@ def test_clipped_rows_do_not_spoil_the_turn(
     assert np.degrees((true.inv() * found).mean().magnitude()) < 0.1
 
 
-def test_gyros_that_turn_about_one_axis_do_not_say_how_the_markers_sit() -> None:
+def test_gyros_that_turn_about_one_axis_do_not_say_how_the_markers_sit():
     t = np.arange(0.0, SECONDS, 0.005)
     angle = np.sin(t)
     turned = Rotation.from_rotvec(np.outer(angle, [0.0, 0.0, 1.0])).as_quat(scalar_first=True)
@@ -113,7 +109,7 @@ def test_gyros_that_turn_about_one_axis_do_not_say_how_the_markers_sit() -> None
     assert in_unit_axes(flat, whole_motion(flat)) == (None, ())
 
 
-def test_a_lever_arm_is_named_and_told_along_the_units_axes() -> None:
+def test_a_lever_arm_is_named_and_told_along_the_units_axes():
     arm = (0.05, -0.03, 0.02)
     (finding,) = explain(marked_askew(moved(arm=arm))).findings
     assert finding.effect == "lever_arm"
@@ -146,16 +142,16 @@ def shaft(late: float, moved: float = 1.0) -> FullRate:
 
 
 @pytest.mark.parametrize("late", [0.012, 0.034, 0.1, -0.034, -0.2])
-def test_a_delay_of_more_than_half_a_period_is_told(late: float) -> None:
+def test_a_delay_of_more_than_half_a_period_is_told(late):
     assert coarse_delay(shaft(late)) == pytest.approx(late, abs=0.002)
 
 
 @pytest.mark.parametrize("late", [0.0, 0.6 * MIN_DELAY])
-def test_a_short_delay_is_left_to_the_fit(late: float) -> None:
+def test_a_short_delay_is_left_to_the_fit(late):
     assert coarse_delay(shaft(late)) == 0.0
 
 
-def test_rests_and_a_short_run_tell_no_delay() -> None:
+def test_rests_and_a_short_run_tell_no_delay():
     assert coarse_delay(shaft(0.05, moved=0.0)) == 0.0
     whole = shaft(0.05)
     few = FullRate(
@@ -165,7 +161,7 @@ def test_rests_and_a_short_run_tell_no_delay() -> None:
     assert coarse_delay(few) == 0.0
 
 
-def test_what_is_not_known_is_not_compared() -> None:
+def test_what_is_not_known_is_not_compared():
     """The motion of a third of the run is not told, and the gyros read nonsense there."""
     whole = shaft(0.05)
     whole.motion.rate[2000:4000] = np.nan
@@ -173,13 +169,13 @@ def test_what_is_not_known_is_not_compared() -> None:
     assert coarse_delay(whole) == pytest.approx(0.05, abs=0.002)
 
 
-def test_only_what_is_before_a_loss_is_looked_at() -> None:
+def test_only_what_is_before_a_loss_is_looked_at():
     whole = shaft(0.05)
     whole.readings[3000:, :3] = shaft(-0.1).readings[3000:, :3]
     assert coarse_delay(whole, until=30.0) == pytest.approx(0.05, abs=0.002)
 
 
-def test_stamps_are_taken_back() -> None:
+def test_stamps_are_taken_back():
     manifest = manifest_of("late", {"gravity_m_s2": 9.8})
     read = Recording(manifest, Stream(T, {name: np.zeros(len(T)) for name in CHANNELS}))
     assert advanced(read, 0.03).imu.t == pytest.approx(T - 0.03)
@@ -216,19 +212,19 @@ def tracking_of(one: Recording) -> tuple[Tracking, Tracking]:
 
 
 @pytest.mark.parametrize("late", [0.0, 0.045])
-def test_what_the_accelerometers_feel_is_motion(late: float) -> None:
+def test_what_the_accelerometers_feel_is_motion(late):
     alone, seen = tracking_of(trembling(felt=True, late=late))
     assert alone.place is not None
     assert seen.place is not None
     assert seen.place > AT
 
 
-def test_what_they_do_not_feel_is_smoothed_as_before() -> None:
+def test_what_they_do_not_feel_is_smoothed_as_before():
     alone, seen = tracking_of(trembling(felt=False))
     assert seen.place == alone.place
 
 
-def test_a_stretch_that_outlasts_the_readings_is_compared_as_far_as_they_go() -> None:
+def test_a_stretch_that_outlasts_the_readings_is_compared_as_far_as_they_go():
     whole = trembling(felt=True)
     shorter = replace(whole, imu=whole.imu.at(whole.imu.rows(2.0, 38.0)))
     _, seen = tracking_of(shorter)
@@ -258,7 +254,7 @@ def with_scale_factor(right: ReferencePrediction, recording: Recording, change: 
     return ReferencePrediction(right.readings + more, right.model)
 
 
-def test_a_right_prediction_leaves_nothing_to_say(clean, right) -> None:
+def test_a_right_prediction_leaves_nothing_to_say(clean, right):
     answer = explain(clean, reference=right)
     assert answer.verdict == "no_mismatch"
     assert answer.model == right.model
@@ -266,7 +262,7 @@ def test_a_right_prediction_leaves_nothing_to_say(clean, right) -> None:
 
 
 @pytest.mark.rehearsal
-def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean, right) -> None:
+def test_a_wrong_scale_factor_of_the_prediction_is_found_as_what_it_is(clean, right):
     answer = explain(clean, reference=with_scale_factor(right, clean, 1e-3))
     (finding,) = answer.findings
     assert (finding.effect, finding.follows) == ("unnamed", OTHER)

@@ -77,7 +77,7 @@ def run() -> Recording:
 
 
 @pytest.fixture(scope="module")
-def motion(run: Recording) -> Motion:
+def motion(run) -> Motion:
     return whole_motion(run)
 
 
@@ -116,7 +116,7 @@ def one(where: tuple[Where, ...]) -> Where:
     return where[0]
 
 
-def test_of_what_nothing_explains_the_residual_is_located(run: Recording, motion: Motion) -> None:
+def test_of_what_nothing_explains_the_residual_is_located(run, motion):
     since = since_last_move(run)
     creep = np.where(since > 0, np.exp(-np.maximum(since, 0.0) / 4.0), 0.0)
     nothing = explained(run, np.zeros((len(since), 6)))
@@ -126,9 +126,7 @@ def test_of_what_nothing_explains_the_residual_is_located(run: Recording, motion
     assert (one(where).channel, one(where).dimension) == ("accel_y", "after_moves")
 
 
-def test_what_fades_after_moves_is_found_after_moves_with_its_time_constant(
-    run: Recording, motion: Motion
-) -> None:
+def test_what_fades_after_moves_is_found_after_moves_with_its_time_constant(run, motion):
     since = since_last_move(run)
     creep = np.where(since > 0, np.exp(-np.maximum(since, 0.0) / 4.0), 0.0)
     (where,) = locate(explained(run, in_channels(len(since), accel_y=0.02 * creep)))
@@ -139,7 +137,7 @@ def test_what_fades_after_moves_is_found_after_moves_with_its_time_constant(
     assert "时间常数 4 s" in first.description.zh
 
 
-def test_what_is_seen_at_high_rate_only_is_found_there(run: Recording, motion: Motion) -> None:
+def test_what_is_seen_at_high_rate_only_is_found_there(run, motion):
     fast = np.abs(motion.rate[:, 0]) > np.radians(250.0)
     shape = np.where(fast, 1e-3, 0.0)
     (where,) = locate(explained(run, in_channels(len(shape), gyro_x=shape)))
@@ -148,7 +146,7 @@ def test_what_is_seen_at_high_rate_only_is_found_there(run: Recording, motion: M
     assert set(first.segments) >= {"rate_x_+300", "rate_x_-300"}
 
 
-def test_what_one_attitude_adds_is_found_at_that_attitude(run: Recording, motion: Motion) -> None:
+def test_what_one_attitude_adds_is_found_at_that_attitude(run, motion):
     up = np.where(motion.up[:, 1] < -0.99, 2e-3, 0.0)
     (where,) = locate(explained(run, in_channels(len(up), gyro_z=up)))
     first = one(where)
@@ -157,9 +155,7 @@ def test_what_one_attitude_adds_is_found_at_that_attitude(run: Recording, motion
     assert {"rest_-y_0", "rest_-y_1"} <= set(first.segments)
 
 
-def test_rows_at_which_a_contribution_is_not_known_have_no_part_in_where_it_sits(
-    run: Recording, motion: Motion
-) -> None:
+def test_rows_at_which_a_contribution_is_not_known_have_no_part_in_where_it_sits(run, motion):
     """As where turns have no reference: what differs from rest to rest does not follow the rate."""
     placed = 0.05 * (motion.up[:, 0] * motion.up[:, 0] - motion.up[:, 1] * motion.up[:, 1])
     placed[np.linalg.norm(motion.rate, axis=1) > np.radians(1.0)] = np.nan
@@ -167,9 +163,7 @@ def test_rows_at_which_a_contribution_is_not_known_have_no_part_in_where_it_sits
     assert (one(where).channel, one(where).dimension) == ("accel_z", "attitude")
 
 
-def test_a_drift_is_located_by_time_though_attitudes_follow_one_another_in_it(
-    run: Recording, motion: Motion
-) -> None:
+def test_a_drift_is_located_by_time_though_attitudes_follow_one_another_in_it(run, motion):
     up = np.where(motion.up[:, 1] < -0.99, 2e-3, 0.0)
     drift = explained(run, in_channels(len(up), gyro_z=up))
     (walk,) = drift.findings
@@ -179,7 +173,7 @@ def test_a_drift_is_located_by_time_though_attitudes_follow_one_another_in_it(
     assert first.dimension not in ("attitude", "rate", "after_moves", "temperature", "recorded")
 
 
-def test_waves_per_turn_are_counted(run: Recording, motion: Motion) -> None:
+def test_waves_per_turn_are_counted(run, motion):
     assert motion.axes is not None
     angle, speed = motion.axes.angles[:, 0], motion.axes.speeds[:, 0]
     ripple = 1e-3 * np.cos(5 * angle + 0.3) * (np.abs(speed) > 0.1)
@@ -188,7 +182,7 @@ def test_waves_per_turn_are_counted(run: Recording, motion: Motion) -> None:
     assert "5 cycles per revolution of the outer axis" in one(where).description.en
 
 
-def test_what_goes_by_the_temperature_is_told_with_its_values(run: Recording) -> None:
+def test_what_goes_by_the_temperature_is_told_with_its_values(run):
     warm = 1e-4 * (run.imu.columns["temperature"] - 25.0)
     (where,) = locate(explained(run, in_channels(len(warm), gyro_x=warm, accel_x=10 * warm)))
     assert {each.channel for each in where} == {"gyro_x", "accel_x"}
@@ -198,7 +192,7 @@ def test_what_goes_by_the_temperature_is_told_with_its_values(run: Recording) ->
         assert "°C" in each.description.en
 
 
-def test_a_jump_is_told_with_its_moment(run: Recording) -> None:
+def test_a_jump_is_told_with_its_moment(run):
     t = run.imu.t
     moment = 0.55 * t[-1]
     (where,) = locate(explained(run, in_channels(len(t), gyro_x=1e-3 * (t > moment))))
@@ -206,16 +200,14 @@ def test_a_jump_is_told_with_its_moment(run: Recording) -> None:
     assert f"{moment:.4g} s" in one(where).description.en
 
 
-def test_a_line_is_told_with_its_frequency(run: Recording) -> None:
+def test_a_line_is_told_with_its_frequency(run):
     hum = 1e-3 * np.sin(2 * np.pi * 6.2504 * run.imu.t)
     (where,) = locate(explained(run, in_channels(len(hum), accel_z=hum)))
     assert one(where).dimension == "frequency"
     assert "6.25" in one(where).description.en
 
 
-def test_a_lever_arm_is_found_on_the_ramps_for_the_rest_is_taken_up(
-    run: Recording, motion: Motion
-) -> None:
+def test_a_lever_arm_is_found_on_the_ramps_for_the_rest_is_taken_up(run, motion):
     arm = np.array([0.03, -0.02, 0.05])
     centripetal = np.cross(motion.rate, np.cross(motion.rate, arm))
     felt = np.cross(motion.acceleration, arm) + centripetal
@@ -224,15 +216,13 @@ def test_a_lever_arm_is_found_on_the_ramps_for_the_rest_is_taken_up(
     assert {each.dimension for each in where} == {"ramps"}
 
 
-def test_what_is_spread_evenly_is_level(run: Recording) -> None:
+def test_what_is_spread_evenly_is_level(run):
     even = 1e-3 * np.random.default_rng(3).choice([-1.0, 1.0], len(run.imu))
     (where,) = locate(explained(run, in_channels(len(even), gyro_x=even)))
     assert one(where).dimension == "level"
 
 
-def test_shares_add_up_to_one_by_falling_share_with_the_slight_channels_last(
-    run: Recording, motion: Motion
-) -> None:
+def test_shares_add_up_to_one_by_falling_share_with_the_slight_channels_last(run, motion):
     cubic = motion.rate**3
     x, y, z = (1e-4 * cubic).T
     gyro = in_channels(len(cubic), gyro_x=x, gyro_y=3 * y, gyro_z=0.2 * z)
@@ -243,7 +233,7 @@ def test_shares_add_up_to_one_by_falling_share_with_the_slight_channels_last(
     assert where[-1].dimension == "level"
 
 
-def test_each_finding_has_its_own_place(run: Recording, motion: Motion) -> None:
+def test_each_finding_has_its_own_place(run, motion):
     warm = 1e-4 * (run.imu.columns["temperature"] - 25.0)
     cubic = 1e-4 * motion.rate[:, 2] ** 3
     count = len(warm)
@@ -251,17 +241,15 @@ def test_each_finding_has_its_own_place(run: Recording, motion: Motion) -> None:
     assert [one(each).dimension for each in locate(both)] == ["temperature", "rate"]
 
 
-def test_what_the_standard_takes_up_whole_is_said_to_be_nowhere(
-    run: Recording, motion: Motion
-) -> None:
+def test_what_the_standard_takes_up_whole_is_said_to_be_nowhere(run, motion):
     (where,) = locate(explained(run, in_channels(len(motion.t))))
     assert one(where).dimension == "level"
     assert "fully absorbed" in one(where).description.en
 
 
-def test_no_finding_has_no_place(run: Recording) -> None:
+def test_no_finding_has_no_place(run):
     assert locate(explained(run)) == ()
 
 
-def test_what_does_not_fade_has_no_time_constant(run: Recording, motion: Motion) -> None:
+def test_what_does_not_fade_has_no_time_constant(run, motion):
     assert settling_time(motion, np.random.default_rng(4).standard_normal(len(motion.t))) is None

@@ -62,7 +62,7 @@ def in_english(discrepancy: Discrepancy, explained: Explanation) -> dict[str, st
 
 
 @pytest.fixture
-def unpictured(monkeypatch: pytest.MonkeyPatch) -> None:
+def unpictured(monkeypatch) -> None:
     """Pictures are not drawn, for tests of what stands beside them."""
     monkeypatch.setattr("tasks.explain.report.page.pictures_of", lambda *_: BLANK)
 
@@ -86,7 +86,7 @@ def page_of(report) -> Callable[[str], str]:
 
 
 @pytest.mark.parametrize("verdict", CASES)
-def test_every_verdict_has_a_page_pictures_and_data(verdict, report, page_of) -> None:
+def test_every_verdict_has_a_page_pictures_and_data(verdict, report, page_of):
     folder = report(verdict)
     assert {path.name for path in folder.iterdir()} == NAMES
     assert 'class="badge' in page_of(verdict)
@@ -98,13 +98,13 @@ def test_every_verdict_has_a_page_pictures_and_data(verdict, report, page_of) ->
 
 
 @pytest.mark.parametrize("verdict", CASES)
-def test_the_page_needs_nothing_from_elsewhere(verdict, page_of) -> None:
+def test_the_page_needs_nothing_from_elsewhere(verdict, page_of):
     page = re.sub(r'xmlns(:xlink)?="[^"]*"', "", page_of(verdict))
     page = re.sub(r'href="#|url\(#', "", page)  # within the page itself
     assert not re.search(r"https?:|//\w|@import|url\(|<link|<script|src=|href=", page)
 
 
-def test_the_page_holds_both_languages_and_every_picture(page_of) -> None:
+def test_the_page_holds_both_languages_and_every_picture(page_of):
     page = page_of("explained")
     assert page.count('lang="en"') - 1 == page.count('lang="zh"')  # one more on the page itself
     assert page.count("<svg") == 6
@@ -114,7 +114,7 @@ def test_the_page_holds_both_languages_and_every_picture(page_of) -> None:
 
 
 @pytest.mark.parametrize("verdict", CASES)
-def test_the_pictures_of_a_language_have_its_words(verdict, report, page_of) -> None:
+def test_the_pictures_of_a_language_have_its_words(verdict, report, page_of):
     for name in PICTURES:
         root = ElementTree.fromstring((report(verdict) / name).read_bytes())
         words = [root.get("aria-label"), *map(content_of, root.iter(SVG_TEXT))]
@@ -134,13 +134,13 @@ def content_of(text: ElementTree.Element) -> str:
     return "".join(text.itertext())
 
 
-def test_what_was_written_by_others_is_escaped(page_of) -> None:
+def test_what_was_written_by_others_is_escaped(page_of):
     page = page_of("explained")
     assert "run &lt;7&gt; &amp; more" in page
     assert "a &lt; b" in page
 
 
-def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(page_of) -> None:
+def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(page_of):
     page = page_of("no_mismatch")
     assert "Effect on the certificate</span>" not in page
     assert "with the findings" not in page
@@ -148,7 +148,7 @@ def test_without_findings_the_page_speaks_of_no_certificate_and_no_after(page_of
 
 
 @pytest.mark.usefixtures("unpictured")
-def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_path) -> None:
+def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_path):
     run = CASES["explained"]
     nominal = run.nominal.copy()
     nominal[10:20] = np.nan
@@ -168,13 +168,13 @@ def test_the_prediction_has_a_row_for_each_row_and_keeps_what_is_not_known(tmp_p
 
 
 @pytest.mark.usefixtures("unpictured")
-def test_a_place_that_cannot_be_written_is_refused_with_a_sentence(tmp_path) -> None:
+def test_a_place_that_cannot_be_written_is_refused_with_a_sentence(tmp_path):
     (tmp_path / "file").write_text("in the way")
     with pytest.raises(Unusable, match="name another folder"):
         written(CASES["no_mismatch"], tmp_path / "file")
 
 
-def test_no_known_row_at_all_still_makes_a_report(tmp_path) -> None:
+def test_no_known_row_at_all_still_makes_a_report(tmp_path):
     run = CASES["no_mismatch"]
     nothing = np.full_like(run.nominal, np.nan)
     noise = np.full(6, np.nan)
@@ -183,7 +183,7 @@ def test_no_known_row_at_all_still_makes_a_report(tmp_path) -> None:
 
 
 @pytest.mark.parametrize("size", [1e-9, 1e6])
-def test_residuals_of_every_size_fit_into_the_pictures(size) -> None:
+def test_residuals_of_every_size_fit_into_the_pictures(size):
     run = CASES["explained"]
     readings = run.recording.imu.stack(CHANNELS) * size
     imu = Stream(run.recording.imu.t, dict(zip(CHANNELS, readings.T, strict=True)))
@@ -197,7 +197,7 @@ def test_residuals_of_every_size_fit_into_the_pictures(size) -> None:
     assert 0 <= min(map(float, numbers)) <= max(map(float, numbers)) <= 1040
 
 
-def test_small_values_of_the_certificate_have_a_unit_of_their_size() -> None:
+def test_small_values_of_the_certificate_have_a_unit_of_their_size():
     run = CASES["explained"]
     lever = Consequence(item="accel_rate_sensitivity", element="yz", before=4.56e-4, after=None,
                         U=3.7e-5, unit="m")  # fmt: skip
@@ -206,7 +206,7 @@ def test_small_values_of_the_certificate_have_a_unit_of_their_size() -> None:
     assert ">µm</td>" in page
 
 
-def test_more_findings_than_colours_still_make_a_report() -> None:
+def test_more_findings_than_colours_still_make_a_report():
     run = explanation(*(finding(0.1 * finding().contribution) for _ in range(8)))
     discrepancy = answer(run, (BIAS,), (CHANGE,))
     assert all("<svg" in svg for svg in in_english(discrepancy, run).values())
@@ -216,7 +216,7 @@ def test_more_findings_than_colours_still_make_a_report() -> None:
 # Cells show an excess where it is, whatever its course, and noise as noise.
 
 
-def test_an_offset_and_a_swing_show_in_their_cells_and_nowhere_else() -> None:
+def test_an_offset_and_a_swing_show_in_their_cells_and_nowhere_else():
     cells = cells_of(explanation(finding()))
     middles = 0.5 * (cells.edges[:-1] + cells.edges[1:])
     first, turns = (middles > 3) & (middles < 33), (middles > 135)
@@ -228,7 +228,7 @@ def test_an_offset_and_a_swing_show_in_their_cells_and_nowhere_else() -> None:
     assert np.abs(cells.after[3, first]).max() < 0.02
 
 
-def test_cells_begin_and_end_with_the_segments() -> None:
+def test_cells_begin_and_end_with_the_segments():
     cells = cells_of(explanation())
     assert {3.0, 33.0, 36.0, 66.0} <= set(np.round(cells.edges, 6))
     assert np.all(np.diff(cells.edges) > 0)
@@ -236,7 +236,7 @@ def test_cells_begin_and_end_with_the_segments() -> None:
     assert set(cells.kinds) == {"", "static", "rate", "rotation"}
 
 
-def test_rows_of_unknown_motion_are_not_known() -> None:
+def test_rows_of_unknown_motion_are_not_known():
     run = explanation(finding())
     nominal, found = run.nominal.copy(), run.found.copy()
     nominal[:660], found[:660] = np.nan, np.nan
@@ -246,7 +246,7 @@ def test_rows_of_unknown_motion_are_not_known() -> None:
     assert np.isfinite(cells.excess[:, cells.edges[:-1] >= 33.0]).all()
 
 
-def test_a_channel_that_was_not_recorded_is_not_known() -> None:
+def test_a_channel_that_was_not_recorded_is_not_known():
     run = explanation()
     columns = {name: run.recording.imu.columns[name] for name in CHANNELS[3:]}
     bare = replace(run.recording, imu=Stream(run.recording.imu.t, columns))
@@ -255,19 +255,19 @@ def test_a_channel_that_was_not_recorded_is_not_known() -> None:
     assert np.isfinite(cells.excess[3:]).all()
 
 
-def test_noise_that_grows_while_turning_is_no_excess() -> None:
+def test_noise_that_grows_while_turning_is_no_excess():
     run = explanation()
     louder = np.where(run.recording.imu.t[:, None] > 69, 1.0, 0.0)
     shaken = added_to(run.recording, 2.0 * louder * recording().imu.stack(CHANNELS)[::-1])
     assert cells_of(replace(run, recording=shaken)).excess.max() < 5.0
 
 
-def test_the_channels_that_gain_are_shown() -> None:
+def test_the_channels_that_gain_are_shown():
     run = explanation(finding())
     assert affected(run, cells_of(run)) == [3, 4]
 
 
-def test_the_spectrum_of_white_noise_is_one_and_a_line_stands_where_it_is() -> None:
+def test_the_spectrum_of_white_noise_is_one_and_a_line_stands_where_it_is():
     t = np.arange(20_000) / 50.0
     noise = np.random.default_rng(3).normal(size=len(t))
     frequency, power = spectrum(t, noise)

@@ -34,13 +34,13 @@ def texts(discrepancy: Discrepancy) -> tuple[str, str]:
     return written.en, written.zh
 
 
-def test_a_finding_says_value_expanded_uncertainty_and_unit_in_both_languages() -> None:
+def test_a_finding_says_value_expanded_uncertainty_and_unit_in_both_languages():
     for text in texts(answer(explanation(finding()))):
         assert "(1.234 ± 0.022) mrad" in text
         assert "k = 2" in text
 
 
-def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
+def test_a_finding_says_where_it_sits_and_with_what_share():
     explained = explanation(finding())
     places = (where(share=0.38), where("accel_y", 0.62, segments=("turns_z",)))
     en, zh = texts(located(explained, places))
@@ -48,7 +48,7 @@ def test_a_finding_says_where_it_sits_and_with_what_share() -> None:
     assert "加速度计 y（62 %）：+x 朝上时" in zh
 
 
-def test_evidence_is_said_in_plain_words() -> None:
+def test_evidence_is_said_in_plain_words():
     en, zh = texts(answer(explanation(finding(delta_bic=512.3, held_out_gain=11.5))))
     assert "10⁵ times as probable (11.5 nats)" in en
     assert "ΔBIC = 512: very strong evidence" in en
@@ -56,7 +56,7 @@ def test_evidence_is_said_in_plain_words() -> None:
     assert "证据非常强" in zh
 
 
-def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
+def test_a_pair_is_said_with_the_recording_that_would_separate_it():
     pair = finding(
         indistinguishable=("axis_wobble", "not_yet_in_the_list"),
         separated_by=Statement(en="the outer axis turned by 90°", zh="外轴转 90°"),
@@ -69,7 +69,7 @@ def test_a_pair_is_said_with_the_recording_that_would_separate_it() -> None:
     assert "应补充记录：外轴转 90°。" in zh
 
 
-def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty() -> None:
+def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty():
     small = BIAS.model_copy(update={"element": "y", "before": 0.0002})
     en, zh = texts(answer(explanation(finding()), (small, BIAS), (CHANGE,)))
     assert "Bias of the X accelerometer, from (12.10 ± 0.30) mm/s²" in en
@@ -79,7 +79,7 @@ def test_the_largest_shift_on_the_certificate_is_told_in_its_uncertainty() -> No
     assert "由“不合格”变为“合格”" in zh
 
 
-def test_what_findings_change_together_is_said_with_their_numbers() -> None:
+def test_what_findings_change_together_is_said_with_their_numbers():
     effects = Consequences(
         ((BIAS,),) * 3, ((),) * 3, (BIAS,), sets=((0, 2), (1,), (0, 2))
     )  # fmt: skip
@@ -92,13 +92,13 @@ def test_what_findings_change_together_is_said_with_their_numbers() -> None:
     assert "与发现 1 合计" in third.zh
 
 
-def test_what_has_no_value_or_no_uncertainty_is_no_shift() -> None:
+def test_what_has_no_value_or_no_uncertainty_is_no_shift():
     gone = [BIAS.model_copy(update={name: None}) for name in ("before", "after", "U")]
     en, _ = texts(answer(explanation(finding()), tuple(gone)))
     assert "on the certificate" not in en
 
 
-def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong() -> None:
+def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong():
     written = answer(explanation()).statement
     assert "6 channels were tested over 2.75 min at 20 Hz" in written.en
     assert "2 rests, 2 constant rates, 1 turn by a known angle" in written.en
@@ -109,7 +109,7 @@ def test_no_mismatch_says_what_was_tested_and_how_often_that_is_wrong() -> None:
     assert "误报" in written.zh
 
 
-def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
+def test_an_explained_recording_says_what_was_left_out_and_the_gain():
     written = answer(explanation(finding()), (BIAS,), (CHANGE,)).statement
     assert (
         "Missing from the standard's model: Table not level (east = (1.234 ± 0.022) mrad)"
@@ -121,14 +121,14 @@ def test_an_explained_recording_says_what_was_left_out_and_the_gain() -> None:
     assert "转台不水平" in written.zh
 
 
-def test_a_name_that_is_not_sure_has_its_rivals_beside_it_from_the_first_sentence_on() -> None:
+def test_a_name_that_is_not_sure_has_its_rivals_beside_it_from_the_first_sentence_on():
     written = answer(explanation(finding(indistinguishable=("axis_wobble",)))).statement
     rival = say(effect_name("axis_wobble"), "en")
     assert re.search(f"Table not level [^;]*, or {rival}, which .* cannot distinguish", written.en)
     assert "（本次记录无法区分）" in written.zh
 
 
-def test_the_answer_is_the_contracts_json() -> None:
+def test_the_answer_is_the_contracts_json():
     discrepancy = answer(explanation(finding(), unnamed()), (BIAS,), (CHANGE,))
     assert Discrepancy.model_validate_json(discrepancy.model_dump_json()) == discrepancy
     assert discrepancy.findings[0].channels == ("accel_x", "accel_y")
@@ -136,7 +136,7 @@ def test_the_answer_is_the_contracts_json() -> None:
     assert set(discrepancy.figures) > {"where.svg", "before_after.svg", "where-zh.svg"}
 
 
-def test_many_parameters_are_told_by_the_three_most_significant() -> None:
+def test_many_parameters_are_told_by_the_three_most_significant():
     many = tuple(
         FoundParameter(name=f"c_{i}", value=float(i), unit="1", u=1.0) for i in range(1, 10)
     )
@@ -145,7 +145,7 @@ def test_many_parameters_are_told_by_the_three_most_significant() -> None:
     assert "，另有 6 个参数（k = 2）" in zh
 
 
-def test_parameters_are_called_by_channel_triad_or_symbol() -> None:
+def test_parameters_are_called_by_channel_triad_or_symbol():
     named = {
         "gyro_x": "gyro x", "accel": "accelerometers", "r_x": "r_x",
         "seconds": "delay of the unit behind the reference (negative: the reference is late)",
@@ -156,7 +156,7 @@ def test_parameters_are_called_by_channel_triad_or_symbol() -> None:
     assert {name: say(parameter_name(name), "en") for name in named} == named
 
 
-def test_words_of_evidence_follow_its_size() -> None:
+def test_words_of_evidence_follow_its_size():
     assert [say(strength_of_evidence(x), "en").split()[0] for x in (50.0, 8.0, 3.0, -1.0)] == [
         "very", "strong", "some", "no",
     ]  # fmt: skip

@@ -41,7 +41,7 @@ def refused(kind: str, **more: Any) -> ReportedFinding:
 @pytest.mark.parametrize("kind", REFUSALS)
 def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the_title(
     kind,
-) -> None:
+):
     found = refused(kind)
     assert found.effect == "unnamed"
     assert found.refused is not None
@@ -55,7 +55,7 @@ def test_a_refused_name_stands_in_the_statement_with_its_reason_and_never_in_the
         assert why in statement
 
 
-def test_no_setting_is_suspected_where_much_is_left_all_the_same() -> None:
+def test_no_setting_is_suspected_where_much_is_left_all_the_same():
     found = unnamed(title=BEHAVIOUR, refusal=REFUSALS["implausible"], channels=(0, 1, 2))
     left = np.array([728.0, 1.0, 1.0, 1.0, 1.0, 1.0])
     explained = explanation(found, verdict="unexplained", left_over=left)
@@ -66,14 +66,14 @@ def test_no_setting_is_suspected_where_much_is_left_all_the_same() -> None:
     assert "rigidly connected" in written.next.en
 
 
-def test_a_name_that_was_ordered_stands_and_is_not_refused() -> None:
+def test_a_name_that_was_ordered_stands_and_is_not_refused():
     ordered = finding(refusal=REFUSALS["undetermined"])
     written = located(explanation(ordered), (where(),)).findings[0]
     assert written.effect == "axis_tilt"
     assert written.refused is None
 
 
-def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:
+def test_a_pattern_of_its_own_is_what_the_finding_is_called_by():
     found = located(explanation(unnamed(), verdict="unexplained"), (where(),)).findings[0]
     assert found.refused is None
     assert found.follows is not None
@@ -81,14 +81,14 @@ def test_a_pattern_of_its_own_is_what_the_finding_is_called_by() -> None:
 
 
 @pytest.mark.parametrize("dimension", get_args(Dimension))
-def test_every_circumstance_has_its_next_step(dimension) -> None:
+def test_every_circumstance_has_its_next_step(dimension):
     places = (where(dimension=dimension),)
     elsewhere = (where(dimension="level" if dimension != "level" else "rate"),)
     assert texts(next_of(unnamed(), places, False)) != texts(next_of(unnamed(), elsewhere, False))
 
 
 @pytest.mark.parametrize("parts", get_args(Partition))
-def test_every_way_of_parting_has_its_sentence_and_its_next_step(parts) -> None:
+def test_every_way_of_parting_has_its_sentence_and_its_next_step(parts):
     refusal = Refusal("inhomogeneous", "time_offset", "delay", "s", smallest=1.0, largest=2.0,
                       parts=parts)  # fmt: skip
     made = located(explanation(unnamed(refusal=refusal), verdict="unexplained"), ())
@@ -98,7 +98,7 @@ def test_every_way_of_parting_has_its_sentence_and_its_next_step(parts) -> None:
     assert found.next != other.next
 
 
-def test_of_what_nothing_explains_is_said_how_much_stays_and_what_to_do() -> None:
+def test_of_what_nothing_explains_is_said_how_much_stays_and_what_to_do():
     title = Statement(en="a remainder", zh="剩余残差")
     found = unnamed(title=title, share=0.0, delta_bic=0.0, held_out_gain=0.0, channels=(0,),
                     remainder=True)  # fmt: skip

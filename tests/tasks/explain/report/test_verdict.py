@@ -23,7 +23,7 @@ def first_sentence(discrepancy: Discrepancy) -> str:
     return discrepancy.statement.en.partition(". ")[0]
 
 
-def test_the_largest_finding_is_what_to_look_at_first() -> None:
+def test_the_largest_finding_is_what_to_look_at_first():
     text = first_sentence(answer(explanation(finding())))
     assert text == (
         "62 % of the mismatch above noise is explained, 38 % is not; look first at: Table not level"
@@ -31,7 +31,7 @@ def test_the_largest_finding_is_what_to_look_at_first() -> None:
     assert "首先应检查：转台不水平" in answer(explanation(finding())).statement.zh
 
 
-def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_first() -> None:
+def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_first():
     left = np.array([1.0, 31.4, 2.0, 1.0, 1.0, 1.0])
     text = answer(explanation(finding(share=0.2), left_over=left)).statement.en
     assert "look first at: the residual of the gyro y (χ² = 31.40 per degree of freedom)" in text
@@ -45,14 +45,14 @@ def test_where_more_is_left_than_any_finding_removes_the_worst_channel_comes_fir
         ("remarks", "No physics"),
     ],
 )
-def test_what_makes_a_run_invalid_on_sight_stands_before_no_mismatch(run: str, first: str) -> None:
+def test_what_makes_a_run_invalid_on_sight_stands_before_no_mismatch(run, first):
     sentence = message("plausibility-table-unit", ratio="57", option="--units table=deg")
     seen = found_on_sight("table_unit", sentence, run=run)
     answered = answer(explanation(verdict="no_mismatch", remarks=(seen,)))
     assert answered.statement.en.startswith(first)
 
 
-def test_small_remainders_are_one_line() -> None:
+def test_small_remainders_are_one_line():
     small = (finding(share=0.004), unnamed(share=0.0))
     discrepancy = answer(explanation(finding(), small=small))
     assert [each.en for each in discrepancy.small_remainders] == [
@@ -63,14 +63,14 @@ def test_small_remainders_are_one_line() -> None:
     assert len(discrepancy.findings) == 1
 
 
-def test_a_channel_that_was_not_recorded_has_nothing_left_over() -> None:
+def test_a_channel_that_was_not_recorded_has_nothing_left_over():
     left = np.array([1.0, 1.0, 1.0, np.nan, np.nan, np.nan])
     assert set(answer(explanation(finding(), left_over=left)).left_over) == {
         "gyro_x", "gyro_y", "gyro_z",
     }  # fmt: skip
 
 
-def test_what_the_standards_parameters_absorb_is_no_share_of_a_mismatch() -> None:
+def test_what_the_standards_parameters_absorb_is_no_share_of_a_mismatch():
     absorbed = explanation(finding(share=0.0, held_out_gain=0.0))
     assert "The residual shows no mismatch above noise" in first_sentence(answer(absorbed))
     left = np.array([50.0] + 5 * [1.0])
@@ -83,7 +83,7 @@ def test_what_the_standards_parameters_absorb_is_no_share_of_a_mismatch() -> Non
     [(2.0, 1.0, "falls from 2.00 to 1.00"), (1.1, 1.3, "rises from 1.10 to 1.30"),
      (1.0, 1.0, "freedom is 1.00")],
 )  # fmt: skip
-def test_where_unseen_segments_go_is_said_as_it_is(before: float, after: float, says: str) -> None:
+def test_where_unseen_segments_go_is_said_as_it_is(before, after, says):
     for ratio in (1.0, 0.5):
         held_out = HeldOut(
             rms_ratio={"accel_x": ratio}, chi2_per_dof_before=before, chi2_per_dof_after=after
@@ -94,13 +94,13 @@ def test_where_unseen_segments_go_is_said_as_it_is(before: float, after: float, 
 
 
 @pytest.mark.parametrize(("p", "words"), [(0.4, "agree between"), (1e-5, "to withhold the name")])
-def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words) -> None:
+def test_a_law_says_whether_it_is_the_same_in_all_parts(p, words):
     written = answer(explanation(finding(homogeneity_p=p))).findings[0]
     assert words in written.statement.en
     assert written.homogeneity_p == p
 
 
-def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() -> None:
+def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it():
     group = ("time_offset", "bandwidth")
     made = finding(effect="time_offset", group=group, indistinguishable=("bandwidth",),
                    separated_by="oscillation at several frequencies",
@@ -114,7 +114,7 @@ def test_a_group_is_told_with_its_members_and_the_recording_that_separates_it() 
     assert "To confirm, record: oscillation at several frequencies." in written.statement.en
 
 
-def test_every_finding_ends_in_what_to_do_next() -> None:
+def test_every_finding_ends_in_what_to_do_next():
     made = explanation(finding(), unnamed(), verdict="partly_explained")
     for written in answer(made, (BIAS,)).findings:
         for language, word in (("en", "Next step: "), ("zh", "下一步：")):
@@ -122,7 +122,7 @@ def test_every_finding_ends_in_what_to_do_next() -> None:
             assert end.rstrip(".。") == getattr(written.next, language)
 
 
-def test_what_others_take_back_is_told_of_the_set() -> None:
+def test_what_others_take_back_is_told_of_the_set():
     alone = BIAS.model_copy(update={"after": BIAS.before - 10.9 * BIAS.U})
     of_set = BIAS.model_copy(update={"after": BIAS.before - 1.0 * BIAS.U})
     both = explanation(finding(share=0.4), finding(share=0.2))
@@ -134,7 +134,7 @@ def test_what_others_take_back_is_told_of_the_set() -> None:
     assert written.consequences == (of_set,)
 
 
-def test_the_json_has_the_fields_of_the_contract() -> None:
+def test_the_json_has_the_fields_of_the_contract():
     discrepancy = located(explanation(finding(), homogeneous()), (where(),), (where(),))
     written = discrepancy.model_dump(mode="json")
     assert written["explained_share"] == pytest.approx(1.0)

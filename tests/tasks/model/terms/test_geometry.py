@@ -46,11 +46,6 @@ def test_each_accelerometer_at_its_own_place():
     assert added[INSIDE, 3:] == pytest.approx(expected[INSIDE], abs=1e-4)
 
 
-def test_all_accelerometers_at_one_place_are_a_lever_arm():
-    r = np.array([0.05, -0.02, 0.11])
-    assert read((SIZE_EFFECT,), np.tile(r, 3)) == pytest.approx(read((LEVER_ARM,), r), abs=1e-12)
-
-
 def test_a_fixture_that_bends_turns_gyros_and_accelerometers_together():
     xy, xz, yx, yz, zx, zy = values = 1e-5 * np.array([2.0, -1.0, 3.0, 1.5, -2.5, 1.0])
     x, y, z = motion().rate.T ** 2

@@ -37,16 +37,6 @@ def test_a_ripple_is_a_shaft_ahead_and_behind(axis):
     assert np.abs(term[:, :3]).max() > 1e-4
 
 
-def test_the_depth_of_a_ripple_is_that_of_the_rate():
-    run = motion()
-    assert run.axes is not None
-    change = read((rate_ripple(7, 1),), [3e-3, 4e-3])[:, :3] - run.rate
-    along = (change * run.axes.directions[:, 0]).sum(axis=1)
-    moving = np.abs(run.axes.speeds[:, 0]) > 1.0
-    depth = np.abs(along[moving] / run.axes.speeds[moving, 0])
-    assert depth.max() == pytest.approx(5e-3, rel=1e-3)
-
-
 @pytest.mark.parametrize("axis", [1, 3])
 def test_an_encoder_that_errs_has_a_shaft_that_is_less_far(axis):
     s, c = 2e-4, 3e-4

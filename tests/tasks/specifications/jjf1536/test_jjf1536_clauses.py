@@ -98,37 +98,6 @@ def test_every_reading_that_an_item_names_is_in_the_register(ahrs_run):
     assert named | {"jjf1536.product", "jjf1536.attitude"} <= set(READINGS)
 
 
-# The errata: what the formula as printed would have given.
-
-
-def test_eq_17_divides_by_the_whole_of_2_times_360_times_n(ahrs_run):
-    ratio, n = 0.001, 10
-    forward, back = 360 * n * ratio, -360 * n * ratio  # what y gains, degrees
-    value = result(ahrs_run(L=planted(1, 0, ratio))).items["ahrs_misalignment"].value["yx"]
-    assert value == pytest.approx(DEG * (forward - back) / (2 * 360 * n), abs=1e-8)
-    as_printed = {
-        "(7): a half, times 360, times n": (forward - back) / 2 * 360 * n,
-        "(17): no brackets": forward - back / (2 * 360 * n),
-        "(17): pi for n": (forward - back) / (2 * 360 * np.pi),
-        "a ratio for degrees": (forward - back) / (2 * 360 * n),
-    }
-    assert not [name for name, wrong in as_printed.items() if abs(wrong - value) < 0.02]
-
-
-def test_eq_9_second_line_is_l_yz(ahrs_run):
-    value = result(ahrs_run(L=planted(1, 2, 0.001))).items["ahrs_misalignment"].value
-    assert value["yz"] == pytest.approx(0.001 * DEG, abs=1e-8)
-    assert value["yx"] == pytest.approx(0.0, abs=1e-8)
-
-
-def test_eq_16_divides_by_the_whole_of_4_times_t(ahrs_run):
-    seconds, zero = 60.0, 0.02
-    outputs = 4 * [zero * seconds]  # degrees; Earth's rotation is not in an axis pointing east
-    value = result(ahrs_run(hold=seconds, B=(zero, 0, 0))).items["ahrs_zero_offset"].value["x"]
-    assert value == pytest.approx(sum(outputs) / (4 * seconds), abs=1e-8)
-    assert abs(sum(outputs) / 4 * seconds - value) > 1.0
-
-
 def test_the_sensitivity_of_eq_a4_is_one_over_4_t(bench):
     noise, seconds = 1e-4, 100.0  # rad of each reading, two readings a position
     made = bench()
@@ -137,15 +106,6 @@ def test_the_sensitivity_of_eq_a4_is_one_over_4_t(bench):
     u = result(made.recording(angle_noise=noise)).items["ahrs_zero_offset"].u["x"]
     output = DEG * noise * np.sqrt(2)
     assert u == pytest.approx(np.sqrt(4) * output / (4 * seconds), rel=0.2)
-
-
-def test_eq_2_is_a_product():
-    L = np.array([[1, 0.01, -0.02], [0.03, 1, 0.04], [-0.05, 0.06, 1]])
-    B, A, T = np.array([0.1, -0.2, 0.3]), np.array([[10.0, 20.0, -30.0], [1.0, 2.0, 3.0]]), 7.0
-    N = A @ L.T + B * T  # eq. (1)
-    assert pytest.approx(A) == np.linalg.solve(L, (N - B * T).T).T
-    as_printed = np.linalg.inv(L) + (N[0] - B * T)
-    assert not np.allclose(as_printed, A[0])
 
 
 def test_a_recording_without_angles_and_rates_is_refused_in_one_sentence(ahrs_run):

@@ -96,7 +96,8 @@ def test_rate_sensitivity_by_eq_12_has_the_opposite_sign_of_model_2(ideal_run, i
     assert everything(calibration) == pytest.approx(moved, abs=2e-7)
     item = calibration.items["accel_rate_sensitivity"]
     assert item.value_model[element] == pytest.approx(p, abs=1e-9)
-    assert "jjf2003.p_sign" in item.readings
+    assert item.unit == "m"
+    assert {"jjf2003.p_sign", "jjf2003.p_lever_arm"} <= set(item.readings)
 
 
 def test_the_largest_rate_is_the_one_of_the_rate_sensitivity(ideal_run):

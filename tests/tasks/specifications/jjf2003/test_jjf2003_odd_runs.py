@@ -45,7 +45,7 @@ def appended(recording: Recording, held: list[tuple[dict[str, Any], list[float]]
     return described(replace(recording, imu=imu), segments=tuple(segments))
 
 
-def test_turning_with_the_axis_down_takes_the_rests_with_the_axis_down(ideal_run) -> None:
+def test_turning_with_the_axis_down_takes_the_rests_with_the_axis_down(ideal_run):
     p, turn = 0.0005, np.radians(300.0)
     scale = np.eye(3)
     scale[1, 0] = 0.01  # y feels 1 % of what acts along x: differs by 2 % of g up and down
@@ -63,14 +63,14 @@ def test_turning_with_the_axis_down_takes_the_rests_with_the_axis_down(ideal_run
     assert value["yx"] == pytest.approx(p, abs=1e-8)
 
 
-def test_a_lever_arm_does_not_hide_which_axis_is_up(ideal_run) -> None:
+def test_a_lever_arm_does_not_hide_which_axis_is_up(ideal_run):
     arm = 0.3  # m: at 300 °/s it pulls across with 8.2 m/s²
     value = result(ideal_run(P=np.array([[0, 0, 0], [arm, 0, 0], [0, 0, 0]])))
     item = value.items["accel_rate_sensitivity"]
     assert item.value_model["yx"] == pytest.approx(arm, abs=1e-6)
 
 
-def test_one_direction_of_turning_is_said_of_p(ideal_run) -> None:
+def test_one_direction_of_turning_is_said_of_p(ideal_run):
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if (s.rate_deg_s or 1) > 0)
     assert {"p_one_direction", "one_direction"} <= codes(
@@ -78,7 +78,7 @@ def test_one_direction_of_turning_is_said_of_p(ideal_run) -> None:
     )
 
 
-def test_a_rest_on_one_side_only_is_said_of_p(ideal_run) -> None:
+def test_a_rest_on_one_side_only_is_said_of_p(ideal_run):
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if not s.name.startswith("rest2"))
     text = [
@@ -89,7 +89,7 @@ def test_a_rest_on_one_side_only_is_said_of_p(ideal_run) -> None:
 
 
 @pytest.mark.parametrize("turn", [-180, 180, 540])
-def test_headings_are_compared_modulo_a_turn(ideal_run, turn: int) -> None:
+def test_headings_are_compared_modulo_a_turn(ideal_run, turn):
     recording = relabelled(ideal_run(), lambda s: {"turn_deg": turn} if s.turn_deg == 180 else {})
     calibration = result(recording)
     assert "one_heading" not in codes(calibration)
@@ -98,7 +98,7 @@ def test_headings_are_compared_modulo_a_turn(ideal_run, turn: int) -> None:
     )
 
 
-def test_a_third_heading_does_not_bring_back_what_the_pair_cancels(ideal_run) -> None:
+def test_a_third_heading_does_not_bring_back_what_the_pair_cancels(ideal_run):
     sideways = 0.001  # rad/s that only the third heading shows on gyro y
     extra = ({"name": "third", "kind": "static", "item": "twelve_position", "up": "+x",
               "turn_deg": 90}, [0.0, sideways, 0.0, GRAVITY, 0.0, 0.0])  # fmt: skip
@@ -106,7 +106,7 @@ def test_a_third_heading_does_not_bring_back_what_the_pair_cancels(ideal_run) ->
     assert item.value["yx"] == pytest.approx(0.0, abs=1e-6)
 
 
-def test_a_scale_factor_far_from_one_is_a_result_and_no_wrong_label(ideal_run) -> None:
+def test_a_scale_factor_far_from_one_is_a_result_and_no_wrong_label(ideal_run):
     calibration = result(ideal_run(Kg=0.9 * np.eye(3)))
     assert calibration.items["gyro_scale_factor"].value == pytest.approx(
         {"x": 0.9, "y": 0.9, "z": 0.9}, abs=1e-6
@@ -114,13 +114,13 @@ def test_a_scale_factor_far_from_one_is_a_result_and_no_wrong_label(ideal_run) -
     assert "rate_contradicted" not in codes(calibration)
 
 
-def test_an_accelerometer_scale_far_from_one_still_shows_what_is_up(ideal_run) -> None:
+def test_an_accelerometer_scale_far_from_one_still_shows_what_is_up(ideal_run):
     calibration = result(ideal_run(Ka=0.75 * np.eye(3)))
     assert calibration.items["accel_scale_factor"].value["z"] == pytest.approx(0.75, abs=1e-6)
     assert "position_contradicted" not in codes(calibration)
 
 
-def test_a_rate_that_changes_within_its_segment_is_unsteady(ideal_run) -> None:
+def test_a_rate_that_changes_within_its_segment_is_unsteady(ideal_run):
     recording = ideal_run()
     segment = next(s for s in recording.manifest.segments if s.name == "rate_y_+100")
     rows = recording.imu.rows(segment.t_start, segment.t_end)
@@ -132,14 +132,14 @@ def test_a_rate_that_changes_within_its_segment_is_unsteady(ideal_run) -> None:
     assert unsteady[0].blocks_pass
 
 
-def test_rates_slower_than_a_rest_are_no_points(ideal_run) -> None:
+def test_rates_slower_than_a_rest_are_no_points(ideal_run):
     recording = relabelled(
         ideal_run(), lambda s: {"rate_deg_s": 0.04} if s.name == "rate_x_+10" else {}
     )
     assert result(recording).items["gyro_scale_factor"].value["x"] == pytest.approx(1, abs=1e-6)
 
 
-def test_segments_without_rows_are_named_and_left_out(ideal_run) -> None:
+def test_segments_without_rows_are_named_and_left_out(ideal_run):
     recording = ideal_run()
     end = recording.imu.t[-1]
     nothing = Segment(name="beyond", kind="static", t_start=end + 1, t_end=end + 31, up="+x")
@@ -150,7 +150,7 @@ def test_segments_without_rows_are_named_and_left_out(ideal_run) -> None:
     assert remark.segments == ("beyond", "a_row")
 
 
-def test_one_row_alone_is_a_result_without_values(ideal_run) -> None:
+def test_one_row_alone_is_a_result_without_values(ideal_run):
     recording = ideal_run()
     manifest = recording.manifest.model_copy(update={"segments": None})
     columns = {name: values[:1] for name, values in recording.imu.columns.items()}
@@ -159,27 +159,27 @@ def test_one_row_alone_is_a_result_without_values(ideal_run) -> None:
     assert set(values) == {None}
 
 
-def test_earth_is_removed_with_scale_factor_one_only_if_that_is_said(ideal_run) -> None:
+def test_earth_is_removed_with_scale_factor_one_only_if_that_is_said(ideal_run):
     recording = ideal_run()
     kept = tuple(s for s in recording.manifest.segments if s.kind != "rate")
     assert "scale_factor_assumed" in codes(result(described(recording, segments=kept)))
     assert "scale_factor_assumed" not in codes(result(recording))
 
 
-def test_the_conditions_are_those_of_the_procedure() -> None:
+def test_the_conditions_are_those_of_the_procedure():
     procedure = procedures.load("jjf2003")
     assert procedure.environment.temperature_degc == CONDITIONS.temperature_degc
     assert procedure.environment.humidity_percent == CONDITIONS.humidity_percent
     assert min(step.dwell_s for step in procedure.steps) >= CONDITIONS.dwell_s
 
 
-def test_every_reading_that_an_item_names_is_in_the_register(ideal_run) -> None:
+def test_every_reading_that_an_item_names_is_in_the_register(ideal_run):
     named = {name for item in result(ideal_run()).items.values() for name in item.readings}
     assert named
     assert named <= set(READINGS)
 
 
-def test_a_step_that_hides_the_noise_is_said_and_counted(ideal_run) -> None:
+def test_a_step_that_hides_the_noise_is_said_and_counted(ideal_run):
     truth = np.array([0.021, -0.013, 0.007])
     recording = ideal_run(Ba=truth, noise=0.02)
     step = 0.05
@@ -196,7 +196,7 @@ def test_a_step_that_hides_the_noise_is_said_and_counted(ideal_run) -> None:
         assert all(abs(item.value[e] - ideal) < 3 * item.u[e] for e in item.value)
 
 
-def test_elements_that_hold_at_one_temperature_share_one_sentence(ideal_run) -> None:
+def test_elements_that_hold_at_one_temperature_share_one_sentence(ideal_run):
     recording = ideal_run()
     held_at = {"specifications-temperature": 0.0, "specifications-temperatures": 5.0}
     for said, warmed in held_at.items():

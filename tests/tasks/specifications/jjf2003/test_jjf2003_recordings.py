@@ -11,12 +11,7 @@ from schemas.calibration import Calibration
 from schemas.recording import ACCEL, AXES, GYRO, Recording
 from tasks.specifications.jjf2003 import JJF2003
 from tests.tasks.items_only import items_only
-
-TRUTH_KEYS = {
-    "gyro_scale_factor": "Kg", "gyro_cross_coupling": "Kg", "gyro_bias": "Bg",
-    "gyro_g_sensitivity": "G", "accel_scale_factor": "Ka", "accel_cross_coupling": "Ka",
-    "accel_bias": "Ba", "accel_rate_sensitivity": "P",
-}  # fmt: skip
+from tests.tasks.specifications.plant_truth import off_the_truth
 
 
 def result(recording: Recording) -> Calibration:
@@ -136,35 +131,20 @@ def recording_pair_mean(recording: Recording, axis: str) -> float:
     return float(np.mean(means))
 
 
-def deviations(shared, name: str, recording: Recording) -> dict[str, float]:
-    """(value − truth)/u for every element that truth.json knows."""
-    truth = json.loads((shared / "plant" / name / "truth.json").read_text())["parameters"]
-    gravity = recording.manifest.station.gravity_m_s2
-    scaled = {key: np.array(value) for key, value in truth.items()}
-    scaled["Bg"], scaled["G"] = np.degrees(scaled["Bg"]), np.degrees(scaled["G"]) * gravity
-    found, items = {}, result(recording).items
-    for item_name, key in TRUTH_KEYS.items():
-        item = items[item_name]
-        values = item.value_model or item.value
-        for element, value in values.items():
-            place = tuple("xyz".index(letter) for letter in element)
-            true = scaled[key][place] if scaled[key].ndim == len(place) else scaled[key][place * 2]
-            found[f"{item_name}.{element}"] = (value - true) / item.u[element]
-    return found
-
-
-def test_plant_clean_is_within_two_and_a_half_standard_uncertainties_of_its_truth(shared, plant):
-    off = deviations(shared, "plant_clean", plant("plant_clean"))
+def test_plant_clean_is_within_two_and_a_half_standard_uncertainties_of_its_truth(plant):
+    recording = plant("plant_clean", 4)
+    off = off_the_truth("plant_clean", result(recording), recording.manifest.station.gravity_m_s2)
     assert len(off) == 39
     assert max(map(abs, off.values())) < 2.5
     assert 0.5 < np.sqrt(np.mean(np.square(list(off.values())))) < 1.5
 
 
 def test_earth_rotation_leaves_the_diagonal_only_where_it_is_removed(shared, plant):
-    recording = plant("plant_earth_rotation")
-    off = deviations(shared, "plant_earth_rotation", recording)
+    recording = plant("plant_earth_rotation", 4)
+    found = result(recording)
+    off = off_the_truth("plant_earth_rotation", found, recording.manifest.station.gravity_m_s2)
     assert all(off[f"gyro_g_sensitivity.{a}{a}"] > 5 for a in AXES)
-    item = result(recording).items["gyro_g_sensitivity"]
+    item = found.items["gyro_g_sensitivity"]
     truth = json.loads((shared / "plant" / "plant_earth_rotation" / "truth.json").read_text())[
         "parameters"
     ]["G"]
@@ -176,6 +156,6 @@ def test_earth_rotation_leaves_the_diagonal_only_where_it_is_removed(shared, pla
 
 
 def test_a_lever_arm_is_returned_as_p_in_metres(plant):
-    value = result(plant("plant_lever_arm")).items["accel_rate_sensitivity"].value
+    value = result(plant("plant_lever_arm", 4)).items["accel_rate_sensitivity"].value
     lever = {"yx": -0.018, "zx": 0.007, "xy": 0.012, "zy": 0.007, "xz": 0.012, "yz": -0.018}
     assert value == pytest.approx(lever, abs=0.001)

@@ -94,18 +94,6 @@ def test_the_truth_lies_within_the_stated_uncertainties():
     assert 0.5 < np.sqrt(np.mean(np.square(z))) < 1.5
 
 
-def test_a_known_latitude_takes_the_vertical_part_of_earth_rotation_off():
-    unknown, known = (by_joint(held_by_hand(latitude_deg=phi)) for phi in (None, 30.0))
-    off = [
-        unknown.items["gyro_g_sensitivity"].value[a * 2]
-        - known.items["gyro_g_sensitivity"].value[a * 2]
-        for a in AXES
-    ]
-    vertical = np.degrees(7.292115e-5) * np.sin(np.radians(30.0))
-    assert off == pytest.approx(vertical * np.diag(K_GYRO), rel=2e-3)
-    assert "north_unknown" in {r.code for r in known.remarks}
-
-
 @pytest.mark.parametrize(
     ("recording", "reason"),
     [

@@ -1,9 +1,7 @@
 """The joint method on turntable recordings: ideal, simulated with a truth, and real ones."""
 
-import json
 from collections.abc import Callable
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -17,12 +15,7 @@ from tasks.specifications.jjf2003 import JJF2003
 from tasks.specifications.joint import JOINT
 from tests.manifests import at_station
 from tests.tasks.items_only import items_only
-
-TRUTH_KEYS = {
-    "gyro_scale_factor": "Kg", "gyro_cross_coupling": "Kg", "gyro_bias": "Bg",
-    "gyro_g_sensitivity": "G", "accel_scale_factor": "Ka", "accel_cross_coupling": "Ka",
-    "accel_bias": "Ba", "accel_rate_sensitivity": "P",
-}  # fmt: skip
+from tests.tasks.specifications.plant_truth import off_the_truth
 
 
 def by_joint(recording: Recording) -> Calibration:
@@ -47,7 +40,7 @@ def results(plant) -> Callable[[str], tuple[Calibration, Calibration]]:
 
     @cache
     def both(name: str) -> tuple[Calibration, Calibration]:
-        recording = plant(name)
+        recording = plant(name, 4)
         return by_joint(recording), by_clauses(recording)
 
     return both
@@ -70,21 +63,6 @@ def off_the_clauses(found: Calibration, clauses: Calibration) -> dict[str, float
         for element in item.value:
             difference = item.value[element] - value[element]
             off[f"{name}.{element}"] = difference / np.hypot(item.u[element], u[element])
-    return off
-
-
-def off_the_truth(shared: Path, name: str, found: Calibration, gravity: float) -> dict[str, float]:
-    """(value − truth)/u of every element."""
-    truth = json.loads((shared / "plant" / name / "truth.json").read_text())["parameters"]
-    scaled = {key: np.array(value) for key, value in truth.items()}
-    scaled["Bg"], scaled["G"] = np.degrees(scaled["Bg"]), np.degrees(scaled["G"]) * gravity
-    off = {}
-    for item_name, key in TRUTH_KEYS.items():
-        item = found.items[item_name]
-        for element, value in (item.value_model or item.value).items():
-            place = tuple("xyz".index(letter) for letter in element)
-            true = scaled[key][place] if scaled[key].ndim == len(place) else scaled[key][place * 2]
-            off[f"{item_name}.{element}"] = (value - true) / item.u[element]
     return off
 
 
@@ -113,11 +91,11 @@ def test_both_methods_agree_on_clean_data_within_their_uncertainties(results):
     assert max(map(abs, off.values())) < 1.0
 
 
-def test_where_the_rests_refute_earth_rotation_it_is_not_taken_off(results, plant, shared):
+def test_where_the_rests_refute_earth_rotation_it_is_not_taken_off(results, plant):
     """The clean plant stands on an Earth that does not turn, whatever its latitude."""
     found, clauses = results("plant_clean")
-    gravity = plant("plant_clean").manifest.station.gravity_m_s2
-    off = off_the_truth(shared, "plant_clean", found, gravity)
+    gravity = plant("plant_clean", 4).manifest.station.gravity_m_s2
+    off = off_the_truth("plant_clean", found, gravity)
     assert max(abs(off[f"gyro_g_sensitivity.{a}{a}"]) for a in AXES) < 3.0
     assert "earth_rotation_not_shown" in codes(found) & codes(clauses)
     assert not {"earth_removed", "earth_rotation"} & (codes(found) | codes(clauses))
@@ -134,7 +112,7 @@ def test_the_horizontal_part_of_earth_rotation_is_no_scatter_where_north_is_not_
 ):
     """The pairs at 180° cancel it: the uncertainties stay those of the noise, within twice."""
     result = results("plant_earth_rotation")[0]
-    blind = by_joint(without_heading(plant("plant_earth_rotation")))
+    blind = by_joint(without_heading(plant("plant_earth_rotation", 4)))
     remarks = [remark.en for remark in blind.remarks if remark.code == "excess_scatter"]
     assert not any("gyro" in text for text in remarks)
     for name in ("gyro_bias", "gyro_g_sensitivity"):
@@ -142,33 +120,33 @@ def test_the_horizontal_part_of_earth_rotation_is_no_scatter_where_north_is_not_
             assert u < 2.0 * result.items[name].u[element], (name, element)
 
 
-def test_without_a_latitude_clean_data_follow_the_model_within_their_noise(plant, shared):
+def test_without_a_latitude_clean_data_follow_the_model_within_their_noise(plant):
     """The clean plant stands on an Earth that does not turn: nothing may be removed."""
-    recording = without_latitude(plant("plant_clean"))
+    recording = without_latitude(plant("plant_clean", 4))
     found = by_joint(recording)
     gravity = recording.manifest.station.gravity_m_s2
-    off = off_the_truth(shared, "plant_clean", found, gravity)
+    off = off_the_truth("plant_clean", found, gravity)
     assert max(map(abs, off.values())) < 3.0
     assert "earth_not_removed" in codes(found)
     assert set(found.items["gyro_g_sensitivity"].value_without_earth_rotation.values()) == {None}
 
 
-def test_earth_rotation_is_not_in_the_g_sensitivity(results, shared, plant):
+def test_earth_rotation_is_not_in_the_g_sensitivity(results, plant):
     found, clauses = results("plant_earth_rotation")
-    gravity = plant("plant_earth_rotation").manifest.station.gravity_m_s2
-    off = off_the_truth(shared, "plant_earth_rotation", found, gravity)
+    gravity = plant("plant_earth_rotation", 4).manifest.station.gravity_m_s2
+    off = off_the_truth("plant_earth_rotation", found, gravity)
     # One of 42 values, a p, lies 3.3 u off: of as many normal ones one in 25 runs does.
     assert max(map(abs, off.values())) < 3.5
     separated = [z for name, z in off.items() if name.startswith("gyro_g_sensitivity")]
     assert len(separated) == 9
     assert max(map(abs, separated)) < 2.5
     assert np.sqrt(np.mean(np.square(separated))) < 1.3
-    by_clause = off_the_truth(shared, "plant_earth_rotation", clauses, gravity)
+    by_clause = off_the_truth("plant_earth_rotation", clauses, gravity)
     assert all(by_clause[f"gyro_g_sensitivity.{a}{a}"] > 5 for a in AXES)
     item = found.items["gyro_g_sensitivity"]
     assert item.value_without_earth_rotation == item.value
     assert "joint.g_earth" in item.readings
-    shown = calibrate(JOINT, plant("plant_earth_rotation"), run="", code_version="").information
+    shown = calibrate(JOINT, plant("plant_earth_rotation", 4), run="", code_version="").information
     assert "gyro_g_sensitivity_without_earth_rotation" not in shown
 
 
@@ -176,7 +154,7 @@ def test_earth_rotation_is_not_in_the_g_sensitivity(results, shared, plant):
     "name", ["plant_tilt_and_temperature", "plant_time_offset", "plant_unlisted"]
 )
 def test_omitted_physics_leaves_every_item_with_a_value(plant, name):
-    found = by_joint(plant(name))
+    found = by_joint(plant(name, 4))
     values = [value for item in found.items.values() for value in item.value.values()]
     assert len(values) == 42
     assert None not in values

@@ -1,1 +1,0 @@
-"""Statistics of a line: yield, capability, control charts, station against station."""
