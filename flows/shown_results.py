@@ -24,13 +24,7 @@ from storage.catalogue import audit_trail, certificates, results, runs
 from storage.catalogue.audit_trail import TrailEntry
 from storage.home import Home, home
 from tasks.certificate.statements import once_for_all
-from tasks.explain.correction.consequences import moved_by
-from tasks.explain.report import statements
 from tasks.specifications.estimate import item_title
-from tasks.stages.estimate import validity_of
-from tasks.stages.explain import Explained
-from tasks.stages.import_recording import run_of
-from tasks.stages.review import Reviewed
 from tasks.words import known, message, say
 from tasks.words.numbers import USUAL_K, chi2, column, percent, quantities, unit_text
 
@@ -40,6 +34,8 @@ if TYPE_CHECKING:
     from storage.catalogue.runs import Run
     from tasks.stages.acquire import AcquiredRuns
     from tasks.stages.certify import Published
+    from tasks.stages.explain import Explained
+    from tasks.stages.review import Reviewed
     from tasks.station.acquisition import Acquired
 
 
@@ -246,7 +242,7 @@ NUMERIC = ("share", "value", "U (k = 2)", "runs")
 MAX_CONSEQUENCES = 8  # rows of a finding; the report has them all
 
 
-def print_discrepancy(explained: Explained) -> None:
+def print_discrepancy(explained: "Explained") -> None:
     """Print the verdict, the findings with their parameters, their consequences, and the files."""
     discrepancy, console = explained.discrepancy, stdout()
     verdict = say(message(f"report-{discrepancy.verdict}"))
@@ -297,6 +293,9 @@ def _parameters(finding: ReportedFinding | ReviewFinding) -> Sequence[tuple[str,
 
 def _print_finding(console: Console, finding: ReportedFinding) -> None:
     """Print the sentence of a finding, and the certificate elements that it changes most."""
+    from tasks.explain.correction.consequences import moved_by
+    from tasks.explain.report import statements
+
     console.print(say(finding.statement), markup=False)
     listed = sorted(finding.consequences, key=moved_by, reverse=True)
     for moved in listed[:MAX_CONSEQUENCES]:
@@ -316,7 +315,7 @@ def _print_finding(console: Console, finding: ReportedFinding) -> None:
         console.print(f"  {sentence}", style="bold", markup=False)
 
 
-def print_review(reviewed: Reviewed) -> None:
+def print_review(reviewed: "Reviewed") -> None:
     """Print the verdict, the common effects with their parameters, and the runs left out."""
     review, console = reviewed.review, stdout()
     verdict = say(message(f"report-{review.verdict}"))
@@ -466,6 +465,9 @@ def _number(value: float | None) -> str:
 
 def show_run(reference: str, as_json: bool) -> None:
     """Print a run: unit, station, validity, segments, newest results, certificates."""
+    from tasks.stages.estimate import validity_of
+    from tasks.stages.import_recording import run_of
+
     run = run_of(reference, home())
     manifest = runs.manifest(run, home())
     kept, validity = results.of_run(run, home()), validity_of(run, home())
@@ -509,6 +511,8 @@ def show_log(reference: str, as_json: bool) -> None:
 
     Raises Unusable if its manifest has no log, or an invalid one.
     """
+    from tasks.stages.import_recording import run_of
+
     run = run_of(reference, home())
     kept = (runs.manifest(run, home()).model_extra or {}).get("log")
     if kept is None:
@@ -559,6 +563,8 @@ def _planned(row: dict[str, Any]) -> tuple[str, ...]:
 
 def print_acquired(acquired: "AcquiredRuns", home: Home, as_json: bool) -> bool:
     """Print the runs and their validity; returns whether none is invalid."""
+    from tasks.stages.estimate import validity_of
+
     judged = [(run, made, validity_of(run, home)) for run, made in acquired.kept]
     if as_json:
         first, *others = (_as_data(*each) for each in judged)
