@@ -32,7 +32,6 @@ from schemas.station import StationFile
 from storage import settings
 from storage.home import Home, home
 from storage.stations import file_named, release
-from tasks.stages.acquire import procedure_named
 from tasks.stages.authority import authorised_operator
 from tasks.stages.import_recording import run_of
 from tasks.stages.stop import current_user
@@ -239,4 +238,6 @@ def home_of(order: OrderModel) -> Home:
 
 def procedure_of(order: AcquireOrder) -> "Procedure":
     """A procedure by name, or from a file of that name."""
+    from tasks.stages.acquire import procedure_named
+
     return procedure_named(order.procedure)
