@@ -8,8 +8,6 @@ for a person who is logged in, or by an account of this system that may read the
 import hashlib
 import hmac
 import json
-import os
-import pwd
 import secrets
 import socket
 import sys
@@ -29,6 +27,7 @@ from storage.catalogue import certificates
 from storage.catalogue.database import Busy
 from storage.catalogue.users import users
 from storage.home import Home, home
+from tasks.stages.stop import login
 
 AGE = timedelta(days=7)  # a station may be down over a long weekend
 AHEAD = timedelta(minutes=5)  # largest difference between the clocks of two computers
@@ -53,7 +52,7 @@ def sign(flow: str, order: Order) -> Order:
         return order
     unsigned = {
         "person": person, "signed_at": datetime.now(UTC), "nonce": secrets.token_hex(16),
-        "signed_on": f"{_login()}@{socket.gethostname()}",
+        "signed_on": f"{login()}@{socket.gethostname()}",
     }  # fmt: skip
     signature = signed(flow, _content(order), unsigned, execute.home_of(order))
     return order.model_copy(update={"signature": signature})
@@ -154,14 +153,6 @@ def _content(order: OrderModel) -> dict[str, Any]:
 
 def _subject(order: OrderModel) -> str:
     return next(str(getattr(order, name)) for name in SUBJECTS if hasattr(order, name))
-
-
-def _login() -> str:
-    """The login of this process's account, whatever its environment says."""
-    try:
-        return pwd.getpwuid(os.geteuid()).pw_name
-    except KeyError:  # as in a container
-        return f"uid {os.geteuid()}"
 
 
 def flow_run() -> str | None:

@@ -271,22 +271,13 @@ def manifest(run: Run, home: Home) -> Manifest:
     """A run's manifest, from beside its columns; if it is missing or damaged, from raw."""
     from storage.formats.manifest import MANIFEST, manifest_of  # late: lists start without numpy
 
-    kept = manifest_bytes(run, home)
-    if kept is not None:
+    name, blobs = f"{_columns(run.digest)}/{MANIFEST}", blobs_of(home)
+    if blobs.exists(name):
+        with blobs.local(name) as path:
+            kept = path.read_bytes()
         with suppress(Unusable):
-            return manifest_of(kept, f"{_columns(run.digest)}/{MANIFEST}")
+            return manifest_of(kept, name)
     return load(run, home).manifest
-
-
-def manifest_bytes(run: Run, home: Home) -> bytes | None:
-    """The manifest beside a run's columns; None if it is missing."""
-    from storage.formats.manifest import MANIFEST
-
-    name = f"{_columns(run.digest)}/{MANIFEST}"
-    if not blobs_of(home).exists(name):
-        return None
-    with blobs_of(home).local(name) as path:
-        return bytes(path.read_bytes())
 
 
 def unit_id(connection: sql.Connection, unit: Unit) -> int:

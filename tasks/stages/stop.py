@@ -2,6 +2,7 @@
 
 import getpass
 import os
+import pwd
 import threading
 import time
 from contextlib import suppress
@@ -91,12 +92,22 @@ def _enter_in_trail(request: StopRequest, home: Home) -> None:
 
 
 def current_user() -> str:
-    """The person at this terminal: MIMUCAL_USER, else the name of the login, or its number where it
-    has none, as in a container. Never fails: a stop waits for nothing.
+    """The person at this terminal: MIMUCAL_USER, else the login. Never fails: a stop waits for
+    nothing.
     """
     try:
         return os.environ.get("MIMUCAL_USER") or getpass.getuser()
     except (KeyError, OSError):  # OSError from Python 3.13 on
+        return login()
+
+
+def login() -> str:
+    """The login of this process's account, whatever its environment says; its number where it has
+    no name, as in a container.
+    """
+    try:
+        return pwd.getpwuid(os.geteuid()).pw_name
+    except KeyError:
         return f"uid {os.geteuid()}"
 
 

@@ -356,7 +356,9 @@ class CutOff(Unusable):
 class NothingWhole(Unusable):
     """Of a file that is cut off no reading is whole. manifest: what it says all the same."""
 
-    manifest: Manifest
+    def __init__(self, sentence: str, manifest: Manifest) -> None:
+        super().__init__(sentence)
+        self.manifest = manifest
 
 
 def read_mcap(
@@ -380,11 +382,7 @@ def read_mcap(
     file = Bag(path, files, by_log_time=by_log_time)
     # what this program wrote beside the messages; nothing in a foreign bag
     own = [record.metadata for record in file.metadata if record.name == FORMAT]
-    try:
-        imu = file.topic(_imu_topic(file))
-    except NothingWhole as nothing:
-        nothing.manifest = _manifest(file, own, salvage=True)
-        raise
+    imu = file.topic(_imu_topic(file, own))
     if file.damage and not salvage:
         since = imu.stamps - _origin(own, [imu.stamps])
         why = (
@@ -397,11 +395,7 @@ def read_mcap(
     manifest = manifest or _manifest(file, own, salvage)
     extra = {}
     if own:
-        try:
-            timed = _our_streams(file, imu, salvage)
-        except NothingWhole as nothing:
-            nothing.manifest = manifest
-            raise
+        timed = _our_streams(file, imu, manifest, salvage)
     else:
         timed, left_out = _foreign_streams(file, imu, manifest)
         extra = {"left_out": left_out} if left_out else {}
@@ -425,7 +419,7 @@ def has_readings(path: Path) -> bool:
     return True
 
 
-def _imu_topic(file: Bag) -> str:
+def _imu_topic(file: Bag, own: list[dict[str, str]]) -> str:
     topics = file.of_kind(IMU)
     if len(topics) == 1:
         return topics[0]
@@ -438,7 +432,8 @@ def _imu_topic(file: Bag) -> str:
         raise NothingWhole(
             f"{file.path} is cut off or damaged ({file.damage}) before any message of type {IMU} "
             f"is whole (found {file.described()}), so nothing can be salvaged; copy it again "
-            "from where it was recorded, or record again."
+            "from where it was recorded, or record again.",
+            _manifest(file, own, salvage=True),
         )
     raise Unusable(
         f"{file.path}: there is no message of type {IMU} in ROS 2 CDR (found "
@@ -469,15 +464,16 @@ def _origin(own: list[dict[str, str]], stamps: list[np.ndarray]) -> int:
     return earliest if earliest > MAX_TIME_S * NANO else 0
 
 
-def _our_streams(file: Bag, imu: Topic, salvage: bool) -> dict[str, Timed]:
+def _our_streams(file: Bag, imu: Topic, manifest: Manifest, salvage: bool) -> dict[str, Timed]:
     """Every stream of a file that this program wrote."""
+    introduced = file.names()
     parts: list[Timed] = [(imu.stamps, triad_columns(imu.numbers))]
     for topic, names in ((UNIT_TEMPERATURE_TOPIC, ("temperature",)), (ANGLE_TOPIC, ANGLE)):
         if topic in file:
             companion = file.topic(topic)
             (values,) = (companion.numbers[f] for f in companion.numbers if f != "variance")
             parts.append((companion.stamps, named(names, values)))
-        elif salvage and topic in file.names():  # it was cut off before the first of them
+        elif salvage and topic in introduced:  # it was cut off before the first of them
             parts.append((imu.stamps[:0], dict.fromkeys(names, imu.stamps[:0].astype(float))))
     timed = {"imu": _side_by_side(file, parts, salvage)}
     if TABLE_TOPIC in file:
@@ -492,14 +488,14 @@ def _our_streams(file: Bag, imu: Topic, salvage: bool) -> dict[str, Timed]:
         for topic in [file.topic(scalar.topic)]
     ]
     begun = all(
-        scalar.topic in file or scalar.topic not in file.names() for scalar in ENVIRONMENT_TOPICS
+        scalar.topic in file or scalar.topic not in introduced for scalar in ENVIRONMENT_TOPICS
     )
     if air and (begun or not salvage):
         timed["environment"] = _side_by_side(file, air, salvage)
     timed = {name: (stamps, columns) for name, (stamps, columns) in timed.items() if len(stamps)}
     if "imu" not in timed:
         raise NothingWhole(
-            f"{file.path}: no reading of the unit is whole; nothing can be salvaged."
+            f"{file.path}: no reading of the unit is whole; nothing can be salvaged.", manifest
         )
     return timed
 
